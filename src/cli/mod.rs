@@ -210,10 +210,6 @@ pub fn main() -> ExitCode {
                 e.remove(ContextKind::Usage);
             }
             if e.kind() == ErrorKind::ArgumentConflict {
-                if let Some(name) = e.get(ContextKind::InvalidSubcommand) {
-                    let text = format!("an option before the command {name}; write it behind");
-                    return ended(Err(Error::Unknown(text)));
-                }
                 // The usage is that of one of the two options.
                 e.remove(ContextKind::Usage);
             }
@@ -302,6 +298,9 @@ fn start_threads(cli: &Cli) -> Result<()> {
 fn dispatch(cli: Cli) -> Result<u8> {
     let Some(command) = cli.command else {
         return run::run(&cli.run).map_err(|error| match (error, &cli.run.scenes[..]) {
+            (Error::Unknown(_), [word, ..]) if Cli::command().find_subcommand(word).is_some() => {
+                Error::Unknown(format!("options stand behind the command: `signorini {word} ...`"))
+            }
             (Error::Unknown(text), [word, ..]) => Error::Unknown(text + &advice(word)),
             (error, _) => error,
         });

@@ -428,7 +428,7 @@ fn solve_refuses_in_one_line() {
 fn options_stand_behind_the_command_and_explain_counts_what_is_up_to_date() {
     let project = Project::with(TABLE);
     let said = project.run(&["-q", "-j", "1", "run", "a"]);
-    let why = "error: an option before the command run; write it behind";
+    let why = "error: options stand behind the command: `signorini run ...`";
     assert_eq!(said.refusal(), why);
     assert!(project.run(&["run", "-q", "-j", "1", "a"]).lines().len() > 1);
     project.run(&["run", "-q", "a"]).nothing_to_do();

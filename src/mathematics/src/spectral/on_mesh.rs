@@ -337,6 +337,7 @@ fn problem(
         loops.push(outline(&curve, &circles)?);
     }
     let domain = PlaneDomain::new(loops)?;
+    f.iter().try_for_each(|f| origin.check(f, domain.diameter()))?;
     let source = source(&seen, f, &domain, (height, origin))?;
     let [lo, hi] = [law.lo(), law.hi()].map(|flux| flux / height);
     Ok(PlaneProblem { domain, law: Law::new(lo, hi).unwrap_or(law), source })

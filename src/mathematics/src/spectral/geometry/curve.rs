@@ -111,7 +111,9 @@ impl Curve {
         Relation { a, b: b.re, c, bend, square: versine * (2.0 - versine), concentric }
     }
 
-    /// Overlap with another curve that it touches, as [`Self::meets`] sees it, by two points of both.
+    /// Overlap with another curve that it touches, as [`Self::meets`] sees it, by two points of both. By the triangle
+    /// of the centres and one of these points they are `2 sqrt(square) / bend` apart, and the width between the curves
+    /// is about `square / (2 bend)`.
     pub(in crate::spectral) fn overlap(self, other: Self) -> Option<Overlap> {
         let Relation { square, bend, .. } = self.relation(other);
         let is_one = self.curvature == 0.0 && other.curvature == 0.0 || self.same(other);
@@ -171,6 +173,17 @@ pub(in crate::spectral) struct Polar {
     pub nu: Complex,
     /// `(1 - |nu|^2) / k`: positive to the left of the curve, and near to it twice the distance.
     pub power: f64,
+}
+
+/// Points on the left and on the right of a point of a curve with this normal to the left, `most` from it, and no
+/// farther than half of these distances of others.
+pub(in crate::spectral) fn beside(
+    [z, normal]: [Complex; 2],
+    most: f64,
+    others: impl Iterator<Item = f64>,
+) -> [Complex; 2] {
+    let step = normal.scaled(others.fold(most, |step, away| step.min(0.5 * away)));
+    [z + step, z - step]
 }
 
 /// Bounds of the width and the length of what two curves share.

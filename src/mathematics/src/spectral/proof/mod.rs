@@ -10,7 +10,8 @@
 //!
 //! 1. *Data.* The curves, points and values of the setup are those of the statement but for rounding of coordinates by
 //!    two units in the last place, which counts as an error of the energy (step 7). A crossing of f that is joined
-//!    with a corner next to it counts where it is (`BoundedEnergy::add_joined`), a bend of a side is kept however small.
+//!    with a corner next to it counts where it is (`BoundedEnergy::add_joined`), a bend of a side is kept, however
+//!    small.
 //!    Where numbers nearly agree and count as one, f is changed on a set that is bounded with the jumps ([`Changes`]):
 //!    between curves that count as one (`add_moved`, `add_between`) or touch (`add_overlap`), on shapes without borders
 //!    (`add_disc`), between a border and a side (`add_outside`), and in what the pieces between points that count as
@@ -81,7 +82,8 @@
 //! found away from small shapes. Arnoldi's recurrence for polynomials multiplies by z and subtracts what came before, k
 //! times; that its errors are not magnified holds as far as the polynomials, orthogonal on the boundary, are of about
 //! unit size there, and is seen on bars of 1 : 20 and on polygons, where the true error is at most 0.4 of half of the
-//! distance of the bounds. Sums over cells lose no more than half a unit of all terms for each addition. Tests:
+//! distance of the bounds. Sums over cells lose no more than half a unit of all terms for each addition. Ends of arcs
+//! are computed from angles; sides that meet farther apart than 2e-14 of the size of the domain are refused. Tests:
 //! `psi_errors::tests`, `green::tests`, and the differences of closed forms in `exact_energy::tests`.
 //!
 //! So a guarantee is one for the statement as in step 1, and but for this model.
@@ -104,7 +106,7 @@ use super::fit::Fit;
 use super::functions::Family;
 use super::setup::Setup;
 use crate::problem::complex::Complex;
-use crate::spectral::source::groups::{JumpGroup, beside};
+use crate::spectral::source::groups::{JumpGroup, beside_edge};
 pub(super) use bounds::{ROUNDED, bracket};
 use cells::{CellStretch, ProofCell, Singular, Surroundings, Track};
 use extension::{Chord, share};
@@ -263,7 +265,7 @@ fn has_values(group: &JumpGroup) -> bool {
     let edges = || group.edges.iter().map(|own| &own.edge);
     edges().all(|edge| {
         let size = 1e-9 * (edge.values[0].abs() + edge.values[1].abs());
-        let points = beside(edge, edges());
+        let points = beside_edge(edge, edges());
         let is_near = (points[0] - points[1]).norm() < 10.0 * f64::EPSILON * group.reach();
         let [left, right] = points.map(|z| group.psi.source(z));
         is_near || (left - edge.values[0]).abs() <= size && (right - edge.values[1]).abs() <= size

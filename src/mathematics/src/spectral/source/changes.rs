@@ -130,6 +130,31 @@ mod tests {
     }
 
     #[test]
+    fn pieces_between_points_that_count_as_one_enclose_no_more_than_a_disc() {
+        let mut changes = Changes::default();
+        changes.add_joined(3.0, &[PI, PI]);
+        let mut disc = Changes::default();
+        disc.add_disc(6.0, 1.0);
+        assert!((changes.mass / disc.mass - 1.0).abs() < 1e-15);
+        assert!((changes.field / disc.field - 1.0).abs() < 1e-15);
+        changes.add_joined(3.0, &[]);
+        assert!((changes.mass / disc.mass - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_piece_counts_as_outside_with_all_that_lies_between_it_and_a_side() {
+        // Distances that are linear or quadratic, at the ends and in the middle of the eight parts.
+        for [b, c] in [[1.0, 0.0], [0.0, 1.0], [1.0, -1.0], [0.0, -4.0], [2.0, -3.0]] {
+            let at = |k: i32| (b * f64::from(k) / 16.0 + c * f64::from(k * k) / 256.0).abs();
+            let off = (1..8).map(|k| at(2 * k)).fold(0.0, f64::max);
+            let between = (0..=16).map(at).fold(0.0, f64::max);
+            let mut changes = Changes::default();
+            changes.add_outside(1.0, off, 1.0);
+            assert!(between <= changes.mass, "{b} {c}: {between} {changes:?}");
+        }
+    }
+
+    #[test]
     fn what_lies_between_two_curves_is_bounded() {
         for (curvature, shift, turn, bend) in [
             (0.0, 2e-14, 0.0, 0.0),

@@ -11,7 +11,7 @@ use crate::machine::sums::two_sum;
 use crate::problem::complex::Complex;
 use crate::problem::shape::Shape;
 use crate::problem::source::Source;
-use crate::spectral::geometry::curve::{Arc, Curve, ROUNDING, SAME, borders};
+use crate::spectral::geometry::curve::{Arc, Curve, ROUNDING, SAME, beside, borders};
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
 use crate::spectral::geometry::parts::{CurvePart, append, close};
 use crate::spectral::geometry::way_out::WayOut;
@@ -49,8 +49,10 @@ pub(in crate::spectral) struct Jumps {
     pub changes: Changes,
     /// Largest difference of f and a sum of two jumps more.
     most: f64,
-    /// Lengths of the pieces between points that count as one.
+    /// Lengths of the pieces between points that count as one, and of parts of the boundary between them.
     joined: Vec<f64>,
+    /// Largest length of the boundary between two points beside a corner, over their distance.
+    detour: f64,
     /// Vertices that stand for all others within [`NEAR`].
     hubs: Vec<usize>,
     /// Potential of the jumps, without the background. Its vertices are the points at which edges meet inside the
@@ -106,7 +108,8 @@ impl Jumps {
     ) -> Result<Self, PlaneError> {
         let sources: Vec<&Source> = all_pieces.into_iter().collect();
         let largest = sources.iter().filter_map(|f| f.largest()).fold(0.0, f64::max);
-        let mut jumps = Self { most: 4.0 * largest, ..Self::default() };
+        let mut jumps =
+            Self { most: 4.0 * largest, detour: domain.longest_detour(), ..Self::default() };
         for source in sources {
             let Source::Pieces { pieces, .. } = source else { continue };
             pieces.iter().for_each(|&(shape, _)| jumps.add_shape(domain, shape));
@@ -169,35 +172,28 @@ impl Jumps {
         })
     }
 
-    /// Distance from the middle of a piece of a curve, up to `most`, at which f is still the value beside the piece:
-    /// curves that touch leave each other slowly. The piece is given by its start, middle and end; curves that pass
-    /// within `on` of the piece coincide with it.
-    fn room(&self, along: [Complex; 3], most: f64, on: f64) -> f64 {
-        let mut room = most;
-        for (k, other) in self.curves.iter().enumerate() {
-            if !other.holds(along, on) && self.is_border(k, other.place(along[1])) {
-                room = room.min(0.5 * other.distance(along[1]).abs());
-            }
-        }
-        room
-    }
-
-    /// Points on both sides of the middle of a piece of the `k`-th curve; the same one if that is no border there, or a
-    /// curve before has its jump.
+    /// Points on both sides of the middle of a piece of the `k`-th curve at which f is the value beside the piece:
+    /// curves that touch leave each other slowly. The same one if that is no border there, or a curve before has its
+    /// jump.
     fn beside(&mut self, k: usize, [from, to]: [f64; 2]) -> [Complex; 2] {
         let (curve, s) = (self.curves[k], 0.5 * (from + to));
         let along = [from, s, to].map(|s| curve.at(s));
-        let (z, normal) = (along[1], curve.direction(s).turned());
-        let step = normal.scaled(self.room(along, curve.rounding().max(SAME), ROUNDING));
+        let z = along[1];
+        let borders = self.curves.iter().enumerate();
+        let (on, off): (Vec<_>, Vec<_>) = borders
+            .filter(|(j, other)| self.is_border(*j, other.place(z)))
+            .partition(|(_, other)| other.holds(along, ROUNDING));
         // Where two curves touch, the jump is that of the first.
-        let mut before = self.curves[..k].iter().enumerate();
-        let known = before
-            .find(|(j, other)| other.holds(along, ROUNDING) && self.is_border(*j, other.place(z)));
-        if let Some((_, other)) = known {
-            let off = along.map(|z| other.distance(z).abs()).into_iter().fold(0.0, f64::max);
+        if let Some(&(_, first)) = on.first().filter(|(j, _)| *j < k) {
+            let off = along.map(|z| first.distance(z).abs()).into_iter().fold(0.0, f64::max);
             self.changes.add_between(self.most, off, to - from);
+            return [z; 2];
         }
-        if known.is_some() || !self.is_border(k, s) { [z; 2] } else { [z + step, z - step] }
+        if !self.is_border(k, s) {
+            return [z; 2];
+        }
+        let apart = off.iter().map(|(_, other)| other.distance(z).abs());
+        beside([z, curve.direction(s).turned()], curve.rounding().max(SAME), apart)
     }
 
     /// Points at which a border ends or meets others inside the domain, and at which its curve meets the sides; and
@@ -247,8 +243,8 @@ impl Jumps {
 
     /// Pieces of a curve between cuts, once around a circle, with f beside those inside the domain, from their start
     /// and end; neighbours with the same values on both sides are one. Beside other points f is taken from the middle
-    /// of the piece on its shorter part, too. With a piece of the boundary, no longer than that and the part of the other
-    /// border, it encloses where f changes.
+    /// of the piece on its shorter part, too. With that of the other border and the boundary between both it encloses
+    /// where f changes.
     fn pieces(
         &mut self,
         domain: &PlaneDomain,
@@ -267,7 +263,7 @@ impl Jumps {
             let apart = b.s - a.s;
             let is_same = apart < if a.side == b.side { SAME } else { ROUNDING };
             if is_same && apart > 0.0 {
-                self.joined.push(apart);
+                self.joined.push(apart * if a.side && b.side { 1.0 + self.detour } else { 1.0 });
             }
             is_same
         });
@@ -283,7 +279,7 @@ impl Jumps {
             }
             if inside {
                 let shorter = beside.iter().filter_map(|&s| shorter_part(curve, span, s));
-                self.joined.extend(shorter.map(|length| 2.0 * length));
+                self.joined.extend(shorter.map(|length| (1.0 + self.detour) * length));
             }
             let value = inside.then(|| self.beside(k, span).map(&f));
             append(&mut pieces, CurvePart { span, value });
