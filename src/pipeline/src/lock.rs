@@ -59,7 +59,7 @@ impl Lock {
 
     /// Returns the lock, and writes its holder's name to the file, unless the disk is full.
     ///
-    /// The same name is written again: the time of the file is then the last at which the lock was taken.
+    /// Writes the same name again: the time of the file is then the last at which the lock was taken.
     fn signed(mut file: File, name: &str) -> Self {
         if write_name(&mut file, name).is_err() {
             // The name of an earlier holder would be wrong.
