@@ -16,6 +16,18 @@ use crate::mesh::{
 use crate::multigrid::{MultigridParams, solve_square};
 use crate::problem::unsolvable::Unsolvable;
 
+/// Bounds for a nodal vector, with the lower one of the error.
+fn bounds_on_mesh<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    network: &Network,
+    f: &MeshLoad,
+    law: Law,
+    y: &[f64],
+) -> Result<Bounds, NoBound> {
+    let problem = BoundedProblem { mesh, sides: &Sides::new(mesh), network, f, law };
+    Ok(problem.with_lower(problem.bounds(y)?.bounds, y))
+}
+
 /// Load vector of an f that is constant on each cell.
 fn load_of_cells<const D: usize, const V: usize>(mesh: &Mesh<D, V>, f: &[f64]) -> Vec<f64> {
     let mut load = vec![0.0; mesh.points().len()];
@@ -169,7 +181,7 @@ fn the_square_has_the_bracket_of_its_grid() {
         let grid = Grid::new(n).unwrap();
         let load = load(grid, &source, LoadRule::Exact { diagonal: Diagonal::default() });
         let params = MultigridParams::default();
-        let (y, _) = solve_square(n, Law::SIGNORINI.with_load(&load), None, &params).unwrap();
+        let (y, _) = solve_square(n, Law::SIGNORINI.with_load(&load), &params).unwrap();
         let half = n as u32 / 2;
         let mut problem = square(n as u32, |i, j| if i.max(j) < half { 3.0 } else { -1.1 });
         problem.y.clone_from(&y);

@@ -364,8 +364,12 @@ pub enum PlaneError {
 }
 
 impl PlaneError {
-    /// True if the input is the reason, and not that no solution was found.
-    pub fn is_of_input(&self) -> bool {
-        !matches!(self, Self::NotFound(_))
+    /// Change of the input that this solver needs; none if no solution was found.
+    pub fn remedy(&self) -> Option<&'static str> {
+        match self {
+            Self::Domain(_) => Some("change the domain"),
+            Self::Source(_) => Some("change f"),
+            Self::NotFound(_) => None,
+        }
     }
 }
