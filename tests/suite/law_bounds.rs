@@ -1,10 +1,10 @@
 //! Guaranteed bounds under laws besides the paper's: known energies, disturbed vectors, symmetries, and meshes.
 
 use crate::common::Dice;
+use crate::laws::{FRICTION, FrictionProblem};
 use signorini_mathematics::bounds::{Bounds, NoBound, bounds};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{LoadRule, load};
-use signorini_mathematics::experiments::problems::{FRICTION, FrictionProblem};
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{AnyMesh, gmsh, uniform_cube};
 use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_square};
@@ -20,7 +20,7 @@ fn solved(n: usize, f: &Source, law: Law, goal: Goal) -> (Grid, Vec<f64>) {
     let grid = Grid::new(n).unwrap();
     let params = MultigridParams { goal, ..MultigridParams::default() };
     let load = load(grid, f, LoadRule::Bilinear {});
-    (grid, solve_square(n, law.with_load(&load), None, &params).unwrap().0)
+    (grid, solve_square(n, law.with_load(&load), &params).unwrap().0)
 }
 
 /// Bounds of the solution of a problem on a grid.
