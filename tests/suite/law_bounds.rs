@@ -165,10 +165,10 @@ fn what_the_law_cannot_balance_has_no_bound() {
 
 /// Mesh of a polygon.
 fn polygon(number: usize) -> AnyMesh {
-    let notch = include_bytes!("../meshes/notch.msh");
+    let square = include_bytes!("../meshes/square.msh");
     let mut mesh = match ["disc", "lshape", "annulus"].get(number) {
         Some(name) => AnyMesh::built_in(name).unwrap(),
-        None => gmsh::read(notch).unwrap(),
+        None => gmsh::read(square).unwrap(),
     };
     let AnyMesh::Plane(plane) = &mut mesh else { panic!("in space") };
     plane.parts_mut().iter_mut().for_each(|part| part.curve = None);
