@@ -89,7 +89,7 @@ impl Proof<'_> {
         let mut spots: Vec<Spot> = Vec::with_capacity(cells.len() * POINTS);
         let mut distances: Vec<f64> = Vec::with_capacity(cells.len() * POINTS);
         for own in cells {
-            for [r, weight] in own.cell.nodes(&rule) {
+            for [r, weight] in own.cell.nodes(rule) {
                 distances.push(r);
                 let mut spot = self.fit.walk.spot(own.interval, own.side, r, weight);
                 if !own.cell.is_log {
@@ -101,10 +101,11 @@ impl Proof<'_> {
         }
         let sums = self.fit.functions.bounded_sums(&self.fit.all_coefficients(), &spots);
         let points: Vec<Complex> = spots.iter().map(|spot| spot.z).collect();
-        let gradients = self.setup.jumps.psi.gradients(&points);
-        let psi_errors = self.setup.jumps.psi.errors(&points);
+        let psi = &self.setup.jumps.psi;
+        let (values, gradients) = (psi.values(&points), psi.gradients(&points));
+        let psi_errors = psi.errors(&points);
         // The flux of the field whose divergence is the error of f.
-        let off_flux = match &self.setup.jumps.psi {
+        let off_flux = match psi {
             Psi::Polynomial(f) => 0.5 * f.error * f.radius,
             Psi::Jumps(_) => 0.0,
         };
@@ -115,14 +116,14 @@ impl Proof<'_> {
             for i in range {
                 let (spot, gradient) = (spots[i], gradients[i]);
                 let SpotSum { value, slope, errors } = sums[i];
-                let node = node(self.setup, self.fit, spot, [value, slope], gradient);
+                let node = node(self.fit, spot, [value, slope], (values[i], gradient));
                 sampled.nodes.push(node);
                 sampled.slopes.push((slope * spot.tangent).re + gradient.dot(spot.tangent));
                 sampled.rounding.push([errors[0], errors[1] + off_flux]);
                 sampled.psi.push(psi_errors[i]);
             }
             let interval = &self.fit.walk.intervals[own.interval];
-            let f = of_f(&self.setup.jumps.psi, interval.f, own.cell.disc);
+            let f = of_f(psi, interval.f, own.cell.disc);
             sampled.add_rounding(f, interval.curvature);
             self.add_logs(&mut sampled);
             samples.push(sampled);
