@@ -11,9 +11,9 @@ pub(in crate::spectral) struct GaussNode {
 }
 
 /// Most nodes of a rule.
-const MOST: usize = 32;
+const MOST: usize = 48;
 
-/// Nodes and weights of the Gauss-Legendre rule with `n` nodes on (0, 1), 32 at most, ascending.
+/// Nodes and weights of the Gauss-Legendre rule with `n` nodes on (0, 1), 48 at most, ascending.
 pub(in crate::spectral) fn gauss(n: usize) -> &'static [GaussNode] {
     static RULES: [OnceLock<Vec<GaussNode>>; MOST + 1] = [const { OnceLock::new() }; MOST + 1];
     RULES[n].get_or_init(|| found(n))

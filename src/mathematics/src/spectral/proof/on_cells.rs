@@ -14,21 +14,12 @@ use crate::spectral::source::psi::Psi;
 impl Proof<'_> {
     /// Bounds of moduli on the ellipses of cells.
     fn moduli(&self, cells: &[ProofCell]) -> Vec<CellModuli> {
-        let mut discs: Vec<Disc> = Vec::new();
-        let mut numbers = Vec::with_capacity(cells.len());
-        for own in cells {
-            let disc = Disc { inner: 0.0, ..own.cell.disc };
-            let known = discs.iter().rposition(|other| *other == disc);
-            numbers.push(known.unwrap_or(discs.len()));
-            if known.is_none() {
-                discs.push(disc);
-            }
-        }
+        let discs: Vec<Disc> = cells.iter().map(|own| own.cell.disc).collect();
         let arnoldi = &self.fit.functions.arnoldi;
         let own = &self.fit.coefficients[self.fit.coefficients.len() - arnoldi.len() - 1..];
         let polynomials = of_polynomial(arnoldi, own, &discs);
-        let both = cells.iter().zip(numbers);
-        both.map(|(own, number)| self.moduli_on(own, polynomials[number])).collect()
+        let both = cells.iter().zip(polynomials);
+        both.map(|(own, polynomial)| self.moduli_on(own, polynomial)).collect()
     }
 
     /// Bounds of moduli on the ellipse of a cell, from those of the polynomial.

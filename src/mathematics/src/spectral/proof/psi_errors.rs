@@ -80,25 +80,32 @@ impl Potential {
         let units = (UNITS + self.jumps.len() as f64) * f64::EPSILON;
         let background = 0.5 * self.background.abs();
         let mut errors = Vec::with_capacity(points.len());
-        for (i, &z) in points.iter().enumerate() {
+        for z in points {
             let slope = background * z.norm();
-            let mut sum = PsiErrors {
+            errors.push(PsiErrors {
                 value: 0.5 * slope * z.norm(),
                 slope: slope + self.constant.norm(),
                 bend: background,
-            };
-            for jump in &self.jumps {
-                let log = |v: usize| logs[v * points.len() + i];
-                let ends = jump.arc.ends.map(|end| end.map(|v| [self.vertices[v] - z, log(v)]));
-                let PsiErrors { value, slope, bend } = jump.sizes(z, ends);
-                let factor = jump.size.abs() / (2.0 * TAU);
-                sum.value += factor * value;
-                sum.slope += factor * slope;
-                sum.bend += factor * bend;
-            }
-            errors.push(sum.scaled(units));
+            });
         }
-        errors
+        for jump in &self.jumps {
+            let factor = jump.size.abs() / (2.0 * TAU);
+            let ends = jump.arc.ends;
+            let ends = ends.map(|end| end.map(|v| (self.vertices[v], &logs[v * points.len()..])));
+            vectorised(
+                #[inline(always)]
+                || {
+                    for (i, (sum, &z)) in errors.iter_mut().zip(points).enumerate() {
+                        let ends = ends.map(|end| end.map(|(v, logs)| [v - z, logs[i]]));
+                        let PsiErrors { value, slope, bend } = jump.sizes(z, ends);
+                        sum.value += factor * value;
+                        sum.slope += factor * slope;
+                        sum.bend += factor * bend;
+                    }
+                },
+            );
+        }
+        errors.into_iter().map(|own| own.scaled(units)).collect()
     }
 }
 
@@ -106,6 +113,7 @@ impl Jump {
     /// Sums of the moduli of all terms for a jump of 4 pi, by its ends seen from the point with their logarithms; with
     /// nu, power and logarithm of [`Potential`], whose gradients are 1, 2 nu and at most two over the distance from the
     /// curve, `(1 + nu)` times which bounds the power.
+    #[inline(always)]
     fn sizes(&self, z: Complex, ends: [Option<[Complex; 2]>; 2]) -> PsiErrors {
         let Arc { curve, span, .. } = self.arc;
         let Polar { nu, power } = curve.polar(z);
