@@ -8,7 +8,6 @@ use super::palette::{CONTACT, INK, RGBColor, lit};
 use super::panels::Panels;
 use super::picture::{LARGE, Picture, SMALL, START, bold, plain};
 use super::table::{add, rounded};
-use super::text::power_of_ten;
 use super::title::Title;
 use super::{FIXED, held};
 use signorini_mathematics::mesh::Condition;
@@ -68,9 +67,7 @@ pub(crate) fn surfaces(columns: usize, panels: &[DrawnSolution]) -> Picture {
         let lines = format!("{CELL_LINES} stroke-linecap=\"round\"");
         picture.group(&lines, |picture| PaintedMesh::new(panel, &inside).paint(picture));
         inside.axes(&mut picture);
-        let power = inside.floor.power();
-        if power != 0 {
-            let text = format!("x, y / {}", power_of_ten(power));
+        if let Some(text) = inside.floor.note() {
             picture.text(&text, (left + 8.0, bottom - 58.0), plain(SMALL).pos(START));
         }
         let half = 0.5 * COMMON_BAR.min(width - 160.0);

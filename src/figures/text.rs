@@ -38,7 +38,7 @@ fn character_width(character: char) -> f64 {
 }
 
 /// Returns a decimal without the zeros that end its fraction.
-fn without_zeros(decimal: &str) -> &str {
+pub(super) fn without_zeros(decimal: &str) -> &str {
     match decimal.contains('.') {
         true => decimal.trim_end_matches('0').trim_end_matches('.'),
         false => decimal,

@@ -42,10 +42,10 @@ impl Voice {
                 let solver = self.name("solver");
                 Error::input(format!("{solver} {refusal}; choose another solver"))
             }
-            Refusal::Spectral(e) if e.is_of_input() => {
-                Error::input(format!("{e}; use {multigrid}, or change f"))
-            }
-            Refusal::Spectral(e) => Error::Stage(vec![format!("{e}; use {multigrid}")]),
+            Refusal::Spectral(e) => match e.remedy() {
+                Some(remedy) => Error::input(format!("{e}; use {multigrid}, or {remedy}")),
+                None => Error::Stage(vec![format!("{e}; use {multigrid}")]),
+            },
             _ if is_multigrid => Error::input(format!("{refusal}; check f")),
             _ => Error::input(format!("{refusal}; check f, or use {multigrid}")),
         }

@@ -97,7 +97,9 @@ def tests_of(folder):
 def outcome(program, filters, number, seconds):
     """Name of the first test that fails with a change, or the words that it does not end; None if all pass."""
     environment = dict(os.environ, BROKEN=str(number), PROPTEST_MAX_SHRINK_ITERS="0")
-    run = subprocess.Popen([program, *filters], env=environment, text=True, stdout=subprocess.PIPE,
+    # In the copy: tests leave files beside their sources.
+    package = pathlib.Path(program).parents[3] / "src/mathematics"
+    run = subprocess.Popen([program, *filters], cwd=package, env=environment, text=True, stdout=subprocess.PIPE,
                            stderr=subprocess.DEVNULL)
     timer = threading.Timer(seconds, run.kill)
     timer.start()

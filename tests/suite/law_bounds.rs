@@ -6,19 +6,15 @@ use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::experiments::problems::{FRICTION, FrictionProblem};
 use signorini_mathematics::levels::Problem;
-use signorini_mathematics::mesh::{AnyMesh, Mesh, uniform_cube};
+use signorini_mathematics::mesh::{AnyMesh, gmsh, uniform_cube};
 use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_square};
-use signorini_mathematics::problem::law::{BoundaryState, Law, LawParameter};
+use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::problem::unsolvable::Unsolvable;
-use signorini_mathematics::solvers::{Run, Settings, Solver, solve};
+use signorini_mathematics::solvers::{Run, Settings, Solver, solve, true_solution};
 
 /// Largest width of the bracket at 1/256 for each problem with friction.
 const WIDTHS: [f64; 6] = [2e-8, 8e-8, 2e-9, 3e-7, 2e-8, 2e-6];
-
-/// Energies of the first and the fourth problem with friction, by a spectral method in quadruple precision, written
-/// apart from this program.
-const ENERGIES: [(usize, f64); 2] = [(0, -0.024_787_188_375_613_3), (3, -0.627_952_316_469_321_7)];
 
 fn solved(n: usize, f: &Source, law: Law, goal: Goal) -> (Grid, Vec<f64>) {
     let grid = Grid::new(n).unwrap();
@@ -38,10 +34,6 @@ fn width(bounds: &Bounds) -> f64 {
     bounds.energy[1] - bounds.energy[0]
 }
 
-fn holds(bounds: &Bounds, energy: f64) -> bool {
-    bounds.energy[0] <= energy && energy <= bounds.energy[1]
-}
-
 /// True if intervals have a point in common.
 fn overlap(intervals: &[[f64; 2]]) -> bool {
     let low = intervals.iter().fold(f64::MIN, |low, interval| low.max(interval[0]));
@@ -51,39 +43,6 @@ fn overlap(intervals: &[[f64; 2]]) -> bool {
 
 fn disturbed(y: &[f64], size: f64, dice: &mut Dice) -> Vec<f64> {
     y.iter().map(|value| value + size * dice.between(-1.0, 1.0)).collect()
-}
-
-#[test]
-fn brackets_hold_the_true_energies_of_solutions_and_of_vectors_stopped_early() {
-    for (at, energy) in ENERGIES {
-        let problem = FRICTION[at];
-        let (f, law) = (problem.source(), problem.law());
-        for n in [16, 32, 64, 128, 256] {
-            for goal in [Goal::RoundingFloor, Goal::DiscretisationError] {
-                let (grid, y) = solved(n, &f, law, goal);
-                let found = bounds(grid, &f, law, &y).unwrap();
-                assert!(holds(&found, energy), "{problem:?} 1/{n} {goal:?}: {found:?}");
-            }
-        }
-    }
-}
-
-#[test]
-fn brackets_of_disturbed_vectors_hold_the_true_energies() {
-    let mut dice = Dice(31);
-    for (at, energy) in ENERGIES {
-        let problem = FRICTION[at];
-        let (f, law) = (problem.source(), problem.law());
-        let (grid, y) = solved(32, &f, law, Goal::RoundingFloor);
-        let best = bounds(grid, &f, law, &y).unwrap();
-        for k in 0..300 {
-            let size = 10f64.powi(-(k % 7));
-            let found = bounds(grid, &f, law, &disturbed(&y, size, &mut dice)).unwrap();
-            assert!(holds(&found, energy), "{problem:?} {k}: {found:?}");
-            assert!(found.error[0] <= found.error[1], "{problem:?} {k}: {found:?}");
-            assert!(size > 1e-5 || found.error[1] < 1.2 * best.error[1], "{problem:?}: {found:?}");
-        }
-    }
 }
 
 #[test]
@@ -97,29 +56,6 @@ fn brackets_of_all_grids_overlap_and_shrink() {
         assert!(widths[4] < allowed, "{problem:?}: {widths:?}");
         let rate = (widths[0] / widths[4]).powf(0.25);
         assert!(rate > 4.0, "{problem:?}: {rate} {widths:?}");
-    }
-}
-
-#[test]
-fn minus_f_has_the_same_bounds() {
-    let mut dice = Dice(5);
-    for problem in FRICTION {
-        let (f, law) = (problem.source(), problem.law());
-        let Source::Pieces { background, pieces } = &f else { panic!("{problem:?}") };
-        let pieces = pieces.iter().map(|(region, value)| (*region, -value));
-        let minus = Source::Pieces { background: -background, pieces: pieces.collect() };
-        let (grid, y) = solved(32, &f, law, Goal::RoundingFloor);
-        for size in [0.0, 1e-6, 1e-2] {
-            let y = disturbed(&y, size, &mut dice);
-            let opposite: Vec<f64> = y.iter().map(|value| -value).collect();
-            let one = bounds(grid, &f, law, &y).unwrap();
-            let other = bounds(grid, &minus, law, &opposite).unwrap();
-            let far = one.energy.iter().zip(other.energy).any(|(a, b)| (a - b).abs() > 1e-11);
-            assert!(
-                !far && (one.error[1] - other.error[1]).abs() < 1e-9,
-                "{problem:?}: {one:?} {other:?}"
-            );
-        }
     }
 }
 
@@ -202,30 +138,6 @@ fn nor_does_it_on_meshes() {
 }
 
 #[test]
-fn the_energy_is_never_above_that_of_zero() {
-    let f: Source = "quadrant(ll)=3; else=-1.25".parse().unwrap();
-    let grid = Grid::new(16).unwrap();
-    let disc = AnyMesh::built_in("disc").unwrap();
-    let halves = "halfplane(1,0,0)=1; else=-1.3";
-    let on_disc = Problem::on_mesh(&disc, 2, halves, Law::SIGNORINI).unwrap();
-    let mut dice = Dice(11);
-    for law in [Law::SIGNORINI, Law::friction(0.3).unwrap(), Law::limited(2.0).unwrap()] {
-        for size in [1.0, 100.0] {
-            let y: Vec<f64> = vec![size; grid.nodes()];
-            let y = disturbed(&y, size, &mut dice);
-            let [low, high] = bounds(grid, &f, law, &y).unwrap().energy;
-            assert!(low < high && high <= 0.0, "{law} {size}: {low} {high}");
-            let y = disturbed(&vec![size; on_disc.load().len()], size, &mut dice);
-            let found = on_disc.levels().bounds(law, &y).unwrap();
-            assert!(
-                found.energy[0] < found.energy[1] && found.energy[1] <= 0.0,
-                "{law}: {found:?}"
-            );
-        }
-    }
-}
-
-#[test]
 fn what_the_law_cannot_balance_has_no_bound() {
     let (grid, law) = (Grid::new(8).unwrap(), Law::friction(0.99).unwrap());
     let zero = vec![0.0; grid.nodes()];
@@ -251,53 +163,47 @@ fn what_the_law_cannot_balance_has_no_bound() {
     assert!(is_refused, "{found:?}");
 }
 
-fn plane(name: &str) -> Mesh<2, 3> {
-    let AnyMesh::Plane(mesh) = AnyMesh::built_in(name).unwrap() else { panic!("in space") };
+/// Mesh of a polygon.
+fn polygon(number: usize) -> AnyMesh {
+    let notch = include_bytes!("../meshes/notch.msh");
+    let mut mesh = match ["disc", "lshape", "annulus"].get(number) {
+        Some(name) => AnyMesh::built_in(name).unwrap(),
+        None => gmsh::read(notch).unwrap(),
+    };
+    let AnyMesh::Plane(plane) = &mut mesh else { panic!("in space") };
+    plane.parts_mut().iter_mut().for_each(|part| part.curve = None);
     mesh
 }
 
 #[test]
-fn brackets_of_nested_meshes_hold_one_energy_under_random_laws() {
+#[ignore = "true solutions of 30 problems take some minutes"]
+fn brackets_on_meshes_meet_those_of_true_solutions() {
     let mut dice = Dice(77);
-    let mut with_both_signs = 0;
-    for name in ["lshape", "lshape", "disc"] {
-        let mut coarse = plane(name);
-        coarse.parts_mut().iter_mut().for_each(|part| part.curve = None);
-        let coarse = AnyMesh::Plane(coarse);
-        for problem in 0..25 {
-            let [left, right] = [0.0; 2].map(|_| dice.between(-6.0, 6.0));
-            let f = format!("halfplane(1,0,0)={left}; else={right}");
-            let on = |times, law| Problem::on_mesh(&coarse, times, &f, law).unwrap();
-            let finest = on(3, Law::friction(1e4).unwrap());
-            let integral = finest.levels().facts().integral;
-            let perimeter = finest.networks().unwrap()[3].network.perimeter();
-            let g = 1.01 * integral.abs() / perimeter + 0.02 + dice.between(0.0, 1.0).powi(2);
-            let law = match problem % 4 {
-                0 => Law::new(-g, 2.0 * g),
-                1 => Law::new(-3.0 * g, g),
-                _ => Law::friction(g),
-            };
-            let law = law.unwrap();
-            let mut energies = Vec::new();
-            for times in 1..=3 {
-                let on_mesh = on(times, law);
-                let Run { y, judgement, .. } =
-                    solve(&on_mesh, &Settings::of(Solver::ActiveSet)).unwrap();
-                let states = judgement.states;
-                let both = [BoundaryState::SlipsUp, BoundaryState::SlipsDown];
-                with_both_signs += usize::from(both.iter().all(|state| states.contains(state)));
-                for size in [0.0, 1e-6, 1e-2, 1.0] {
-                    let wrong = disturbed(&y, size, &mut dice);
-                    let found = on_mesh.bounds(&wrong).unwrap();
-                    let [low, high] = found.energy;
-                    assert!(low <= high, "{name} {problem} {law}: {found:?}");
-                    energies.push(found.energy);
-                }
+    let (mut tried, mut met, mut unproved, mut refused) = (0, 0, 0, 0);
+    while met + unproved + refused < 30 {
+        tried += 1;
+        let mesh = polygon(tried % 4);
+        let size = mesh.extent();
+        let [x, y, r] = [0.4, 0.4, 0.2].map(|part| size * dice.between(0.3 * part, part));
+        let [inside, left, right] = [0.0; 3].map(|_| dice.between(-6.0, 6.0));
+        let f = format!("disc({x},{y},{r})={inside}; halfplane(1,0.3,{x})={left}; else={right}");
+        let g = dice.between(0.2, 3.0);
+        let law = [Law::SIGNORINI, Law::friction(g).unwrap(), Law::limited(g).unwrap()][tried % 3];
+        let Ok(problem) = Problem::on_mesh(&mesh, 3, &f, law) else { continue };
+        let Ok(Run { y, .. }) = solve(&problem, &Settings::of(Solver::Multigrid)) else { continue };
+        let on_mesh = [0.0, 1e-2].map(|size| problem.bounds(&disturbed(&y, size, &mut dice)));
+        match true_solution(&problem).map(|truth| truth.bracket) {
+            Ok(Ok(bracket)) => {
+                let [one, two] = on_mesh.map(|found| found.unwrap().energy);
+                assert!(overlap(&[bracket, one, two]), "{f} {law}: {bracket:?} {one:?} {two:?}");
+                met += 1;
             }
-            assert!(overlap(&energies), "{name} {problem} {law}: {energies:?}");
-            let [first, last] = [0, 8].map(|k: usize| energies[k][1] - energies[k][0]);
-            assert!(last < 0.5 * first, "{name} {problem} {law}: {energies:?}");
+            Ok(Err(_)) => unproved += 1,
+            Err(reason) => {
+                println!("{f} {law}: {reason}");
+                refused += 1;
+            }
         }
     }
-    assert!(with_both_signs > 10, "{with_both_signs}");
+    println!("{met} met, {unproved} have no bracket, {refused} were refused, of {tried}");
 }

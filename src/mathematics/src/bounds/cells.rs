@@ -89,7 +89,7 @@ impl SpecialCell {
     }
 
     #[inline(always)]
-    fn sums(&self) -> Sums {
+    pub(super) fn sums(&self) -> Sums {
         let Self { lines: [x, y], bubbles, flux, f } = *self;
         let EdgeFluxes { left, right, bottom, top } = flux;
         let (x, y) = (Axis::new(x, bubbles[0]), Axis::new(y, bubbles[1]));
@@ -197,7 +197,7 @@ impl Axis {
         let along = mean(self.second) + difference(flux) - 2.0 * mean(self.bubble);
         let both = difference(self.second) - 2.0 * difference(self.bubble);
         let quadratic = 0.5 * (third[0] - slope);
-        let mixed = 0.5 * third[1] - 0.75 * twist;
+        let mixed = 0.5 * third[1] - 0.25 * twist;
         let linear = across * across + along * along + TWELFTH * both * both;
         let square = quadratic * quadratic + TWELFTH * mixed * mixed + bend * bend;
         constant * constant + TWELFTH * (linear + square * (1.0 / 15.0))

@@ -71,6 +71,8 @@ mod recovery;
 mod regular;
 mod residual;
 mod strip;
+#[cfg(test)]
+mod tests;
 pub mod triangulation;
 mod walk;
 
@@ -356,25 +358,4 @@ fn project(grid: Grid, slips: Slips, y: &[f64]) -> Projection<'_> {
         square += if grid.is_corner(b) { 0.0 } else { value * value };
     }
     Projection { v: Cow::Owned(v), distance: square.sqrt() }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn bounds(energy: [f64; 2], most: f64) -> Bounds {
-        Bounds { energy, error: [0.0, most], recovered: None, curve: None }
-    }
-
-    #[test]
-    fn without_error_an_answer_is_exact_whatever_its_size() {
-        let zero = bounds([0.0; 2], 0.0);
-        assert_eq!([zero.relative(), zero.relative_energy()], [0.0; 2]);
-        let poor = bounds([-1.0, 0.0], 1.0);
-        assert_eq!([poor.relative(), poor.relative_energy()], [f64::INFINITY; 2]);
-        let good = bounds([-0.5, -0.45], 0.03);
-        assert!((good.relative() - 0.0316).abs() < 1e-4, "{}", good.relative());
-        assert!((good.relative_energy() - 0.111).abs() < 1e-3, "{}", good.relative_energy());
-        assert_eq!([-0.6, -0.47, -0.3].map(|of_v| good.nearest_energy(of_v)), [-0.5, -0.47, -0.45]);
-    }
 }

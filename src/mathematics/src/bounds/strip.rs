@@ -88,7 +88,7 @@ impl<'a> FluxStrip<'a> {
     /// Contribution of the fluxes that f requires to the bubbles of cell (i, j) along both axes: half the change of
     /// the flux over a cell, averaged over the two cells at the edge.
     #[inline(always)]
-    fn bends(&self, i: usize, j: usize) -> [[f64; 2]; 2] {
+    pub(super) fn bends(&self, i: usize, j: usize) -> [[f64; 2]; 2] {
         let n = self.v.grid.cells();
         let [x, y] = self.flux_changes(i, 1);
         // Beyond the boundary the change is taken to be that of the cell itself.

@@ -19,7 +19,7 @@ pub(super) struct SolutionFields<'a> {
     /// f in the middle of each square of a grid, or its mean over each cell of a mesh; empty if it is left out.
     pub(super) f: Cow<'a, [f64]>,
     /// Guaranteed error in each cell; empty if it is not known.
-    pub(super) errors: Cow<'a, [f64]>,
+    pub(super) errors: Vec<f64>,
 }
 
 /// Grid or mesh to whose nodes and cells arrays belong.
@@ -39,7 +39,7 @@ impl<'a> SolutionFields<'a> {
             Some(lattices) => FieldPlace::Grid(lattices.finest()),
             None => FieldPlace::Mesh(problem.levels().mesh(problem.finest())),
         };
-        let (f, errors) = (Cow::default(), Cow::default());
+        let (f, errors) = (Cow::default(), Vec::new());
         Self { place, v: &pair.y, multiplier: Vec::new(), f, errors }
     }
 
@@ -49,7 +49,7 @@ impl<'a> SolutionFields<'a> {
         let nodes = mesh.nodes();
         let mut multiplier = problem.at_nodes(&pair.a, 0.0);
         multiplier.truncate(nodes);
-        let (f, errors) = (Cow::default(), Cow::default());
+        let (f, errors) = (Cow::default(), Vec::new());
         Self { place: FieldPlace::Mesh(mesh), v: &pair.y[..nodes], multiplier, f, errors }
     }
 
@@ -123,7 +123,7 @@ pub(super) mod tests {
     pub(in crate::formats) fn counted(mesh: AnyMesh, v: &[f64]) -> SolutionFields<'_> {
         let f = (0..mesh.cells() as u32).map(f64::from).collect();
         let place = FieldPlace::Mesh(Cow::Owned(mesh));
-        SolutionFields { place, v, multiplier: v.to_vec(), f, errors: Cow::default() }
+        SolutionFields { place, v, multiplier: v.to_vec(), f, errors: Vec::new() }
     }
 
     #[test]
@@ -155,7 +155,7 @@ pub(super) mod tests {
         }
         assert!(has(&archive, "region.npy") && has(&archive, "'<u2'"));
         assert!(!has(&archive, "local_error.npy"));
-        let with_errors = SolutionFields { errors: counted.f.clone(), ..counted.clone() };
+        let with_errors = SolutionFields { errors: counted.f.to_vec(), ..counted.clone() };
         assert!(has(&with_errors.npz().unwrap(), "local_error.npy"));
         assert_eq!(counted.npy().len(), 128 + 8 * 8);
     }

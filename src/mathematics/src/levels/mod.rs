@@ -20,7 +20,7 @@ pub use error::ProblemError;
 pub use lattices::Lattices;
 pub use problem::{Problem, Reserve};
 pub use steps::{Step, Watch};
-pub(crate) use triangulations::{Triangulations, read};
+pub(crate) use triangulations::{Triangulations, VectorErrors, read};
 
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::domain::DiscreteDomain;
@@ -84,7 +84,7 @@ pub trait Levels: Send + Sync {
     fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound>;
 
     /// Guaranteed error of a nodal vector in each cell of the finest mesh; empty on the square, and without a bound.
-    fn local_errors(&self, law: Law, y: &[f64]) -> Cow<'_, [f64]>;
+    fn local_errors(&self, law: Law, y: &[f64]) -> Vec<f64>;
 }
 
 /// Facts on nested discrete problems.

@@ -1,7 +1,7 @@
 //! A mesh with its refinements as the levels of a problem.
 
 use super::{Discrete, Drawing, Facts, Levels, ProblemError, Step, Watch};
-use crate::bounds::triangulation::{BoundedProblem, bounds_on_mesh};
+use crate::bounds::triangulation::BoundedProblem;
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::nested::NestedNetwork;
@@ -16,6 +16,7 @@ use crate::problem::shape::Shape;
 use crate::problem::source::Source;
 use crate::problem::unsolvable::Component;
 use std::borrow::Cow;
+use std::sync::Mutex;
 
 /// Mesh and its refinements, with f.
 pub(crate) struct Triangulations<const D: usize, const V: usize> {
@@ -28,8 +29,15 @@ pub(crate) struct Triangulations<const D: usize, const V: usize> {
     /// f on the finest mesh.
     load: MeshLoad,
     facts: Facts,
-    /// Guaranteed error in each cell of the finest mesh, if the meshes are adapted.
-    errors: Option<Vec<f64>>,
+    /// Guaranteed errors that were asked for last: bounds and files take those of one vector.
+    errors: Mutex<Option<VectorErrors>>,
+}
+
+/// Guaranteed error of a nodal vector in each cell.
+pub(crate) struct VectorErrors {
+    pub law: Law,
+    pub y: Vec<f64>,
+    pub of_cells: Vec<f64>,
 }
 
 impl<const D: usize, const V: usize> Triangulations<D, V>
@@ -83,13 +91,20 @@ where
         };
         let NestedMeshes { meshes, networks } = nested;
         let meshes = meshes.into_iter().map(AnyMesh::from).collect();
-        Self { meshes, networks, f, load, facts, errors: None }
+        Self { meshes, networks, f, load, facts, errors: Mutex::default() }
     }
 
-    /// Levels with the guaranteed error in each cell of the finest mesh.
-    pub(crate) fn with_errors(self, errors: Vec<f64>) -> Self {
+    /// Levels of an adapted mesh, with guaranteed errors on the finest.
+    pub(crate) fn adapted(self, errors: VectorErrors) -> Self {
         let facts = Facts { is_adapted: true, ..self.facts };
-        Self { errors: Some(errors), facts, ..self }
+        Self { errors: Mutex::new(Some(errors)), facts, ..self }
+    }
+
+    /// Guaranteed errors of a nodal vector in each cell, if they were asked for last.
+    fn known_errors(&self, law: Law, y: &[f64]) -> Option<Vec<f64>> {
+        let errors = self.errors.lock().expect("no panic before");
+        let errors = errors.as_ref().filter(|errors| errors.law == law && errors.y == y);
+        errors.map(|errors| errors.of_cells.clone())
     }
 
     /// Mesh of a level.
@@ -196,15 +211,18 @@ where
     }
 
     fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound> {
-        bounds_on_mesh(self.finest(), self.network(), &self.load, law, y)
+        let (mesh, network, f) = (self.finest(), self.network(), &self.load);
+        let bounded = BoundedProblem { mesh, sides: &Sides::new(mesh), network, f, law };
+        let found = bounded.bounds(y)?;
+        let errors = VectorErrors { law, y: y.to_vec(), of_cells: found.errors() };
+        *self.errors.lock().expect("no panic before") = Some(errors);
+        Ok(bounded.with_lower(found.bounds, y))
     }
 
-    fn local_errors(&self, law: Law, y: &[f64]) -> Cow<'_, [f64]> {
-        if let Some(errors) = &self.errors {
-            return errors.into();
-        }
-        let (mesh, network, f) = (self.finest(), self.network(), &self.load);
-        let bounded = BoundedProblem { mesh, sides: &Sides::new(mesh), network, f, law }.bounds(y);
-        bounded.map_or_else(|_| Cow::default(), |bounds| bounds.errors().into())
+    fn local_errors(&self, law: Law, y: &[f64]) -> Vec<f64> {
+        self.known_errors(law, y).unwrap_or_else(|| {
+            // The bounds leave the errors behind.
+            self.bounds(law, y).ok().and_then(|_| self.known_errors(law, y)).unwrap_or_default()
+        })
     }
 }

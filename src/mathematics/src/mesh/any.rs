@@ -222,8 +222,8 @@ impl AnyMesh {
 }
 
 impl<const D: usize, const V: usize> Mesh<D, V> {
-    /// Positions of the parts that have this name.
-    pub(super) fn parts_named(&self, name: &str) -> Result<Vec<usize>, String> {
+    /// Positions of the parts that have this name; `where_inside` says why nothing inside the domain is a part.
+    pub(super) fn parts_named(&self, name: &str, where_inside: &str) -> Result<Vec<usize>, String> {
         let has_name = |&part: &usize| self.parts[part].names.contains(name);
         let found: Vec<_> = (0..self.parts.len()).filter(has_name).collect();
         if !found.is_empty() {
@@ -233,14 +233,14 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         let is_inside = self.inside.iter().any(|inside| inside == name);
         Err(match is_inside {
             true => format!(
-                "`{name}` lies inside the domain, where no condition holds; the parts of the boundary are {parts}"
+                "`{name}` lies inside the domain, where {where_inside}; the parts of the boundary are {parts}"
             ),
             false => format!("the mesh has no part `{name}`; its parts are {parts}"),
         })
     }
 
     fn set_condition(&mut self, name: &str, condition: Condition) -> Result<(), String> {
-        for part in self.parts_named(name)? {
+        for part in self.parts_named(name, "no condition holds")? {
             let part = &mut self.parts[part];
             if part.condition != Condition::Contact && part.condition != condition {
                 let names = &part.names;

@@ -19,7 +19,8 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
     /// A sentence if no facets have this name, some are on another curve already, a node is farther off the curve than
     /// the digits of a file explain, or an element turns inside out.
     pub(super) fn set_curve(&mut self, name: &str, curve: Round<D>) -> Result<(), String> {
-        let parts = self.parts_named(name)?;
+        let inside = "borders of regions are straight edges; write a disc or ball in f in place of a round region";
+        let parts = self.parts_named(name, inside)?;
         let mut nodes = Vec::new();
         for facet in self.facets.iter().filter(|facet| parts.contains(&usize::from(facet.part))) {
             nodes.extend(facet.nodes);

@@ -53,10 +53,11 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         let mut probes = self.probes(boundary);
         arrange(&mut probes, 0);
         self.cells.iter().zip(0..).find_map(|(cell, k)| {
-            let vertices = cell.map(|node| self.points[node as usize]);
-            let found = find(&probes, 0, &bounds(&vertices), &|probe| {
-                probe.cell != k && is_inside(vertices, probe.point)
-            })?;
+            let inside = Inside::of(cell.map(|node| self.points[node as usize]));
+            let found =
+                find(&probes, 0, inside.bounds, &|bounds| inside.reaches(bounds), &|probe| {
+                    probe.cell != k && inside.holds(probe.point)
+                })?;
             Some([found.cell, k])
         })
     }
@@ -95,33 +96,59 @@ fn arrange<const D: usize>(probes: &mut [Probe<D>], axis: usize) {
     arrange(&mut above[1..], (axis + 1) % D);
 }
 
-/// Returns a point of a tree that lies within these bounds and passes a test, if there is one.
+/// Returns a point of a tree that lies within these bounds and passes a test, if there is one. Parts of the tree are
+/// left out whose bounds the points sought do not reach.
 fn find<'a, const D: usize>(
     tree: &'a [Probe<D>],
     axis: usize,
-    bounds: &[[f64; 2]; D],
+    bounds: [[f64; 2]; D],
+    reaches: &impl Fn([[f64; 2]; D]) -> bool,
     test: &impl Fn(&Probe<D>) -> bool,
 ) -> Option<&'a Probe<D>> {
     let middle = tree.len() / 2;
-    let probe = tree.get(middle)?;
-    let ([low, high], next) = (bounds[axis], (axis + 1) % D);
-    let (is_above, is_below) = (low <= probe.point[axis], probe.point[axis] <= high);
-    let is_within =
-        bounds.iter().zip(probe.point).all(|([low, high], x)| (*low..=*high).contains(&x));
-    if is_within && test(probe) {
+    let probe = tree.get(middle).filter(|_| reaches(bounds))?;
+    if test(probe) {
         return Some(probe);
     }
-    let below = if is_above { find(&tree[..middle], next, bounds, test) } else { None };
-    below.or_else(|| if is_below { find(&tree[middle + 1..], next, bounds, test) } else { None })
+    let ([mut below, mut above], at) = ([bounds; 2], probe.point[axis]);
+    below[axis][1] = at.min(below[axis][1]);
+    above[axis][0] = at.max(above[axis][0]);
+    let next = (axis + 1) % D;
+    find(&tree[..middle], next, below, reaches, test)
+        .or_else(|| find(&tree[middle + 1..], next, above, reaches, test))
 }
 
-/// True if a point is clearly inside a cell.
-fn is_inside<const D: usize, const V: usize>(vertices: [[f64; D]; V], point: [f64; D]) -> bool {
-    let from_first = difference(point, vertices[0]);
-    let gradients = Element::new(vertices).gradients;
-    // Barycentric coordinates; written so that NaN is outside.
-    1.0 + dot(gradients[0], from_first) > CLEAR
-        && gradients[1..].iter().all(|gradient| dot(*gradient, from_first) > CLEAR)
+/// Points clearly inside a cell.
+struct Inside<const D: usize, const V: usize> {
+    first: [f64; D],
+    /// Gradients of the barycentric coordinates.
+    gradients: [[f64; D]; V],
+    bounds: [[f64; 2]; D],
+}
+
+impl<const D: usize, const V: usize> Inside<D, V> {
+    fn of(vertices: [[f64; D]; V]) -> Self {
+        let gradients = Element::new(vertices).gradients;
+        Self { first: vertices[0], gradients, bounds: bounds(&vertices) }
+    }
+
+    /// True if a point is inside.
+    fn holds(&self, point: [f64; D]) -> bool {
+        self.reaches(point.map(|x| [x, x]))
+    }
+
+    /// True if each barycentric coordinate is clear of zero at some point within these bounds; written so that NaN is
+    /// outside.
+    fn reaches(&self, bounds: [[f64; 2]; D]) -> bool {
+        let at_first = std::iter::once(1.0).chain(std::iter::repeat(0.0));
+        self.gradients.iter().zip(at_first).all(|(gradient, at_first)| {
+            let greatest = (0..D).map(|d| {
+                let [low, high] = bounds[d].map(|x| gradient[d] * (x - self.first[d]));
+                low.max(high)
+            });
+            bounds.iter().all(|[low, high]| low <= high) && at_first + greatest.sum::<f64>() > CLEAR
+        })
+    }
 }
 
 /// True if two facets clearly cross.

@@ -34,6 +34,8 @@ mod cycle;
 mod interpolation;
 mod iterate;
 mod levels;
+mod nested;
+mod run;
 mod smoothed;
 mod solve;
 mod springs;

@@ -253,7 +253,7 @@ impl PlaneTruth {
     /// little beside it; none outside of the domain.
     pub(crate) fn at(&self, point: &[f64]) -> Option<(f64, [f64; 2])> {
         let &[x, y] = point else { return None };
-        let (domain, size) = (&self.problem.domain, x.hypot(y));
+        let (domain, size) = (&self.problem.domain, libm::hypot(x, y));
         let [x, y] = self.origin.seen([x, y]);
         let z = Complex::new(x, y);
         // Coordinates of points of the boundary are rounded.
@@ -337,6 +337,7 @@ fn problem(
         loops.push(outline(&curve, &circles)?);
     }
     let domain = PlaneDomain::new(loops)?;
+    f.iter().try_for_each(|f| origin.check(f, domain.diameter()))?;
     let source = source(&seen, f, &domain, (height, origin))?;
     let [lo, hi] = [law.lo(), law.hi()].map(|flux| flux / height);
     Ok(PlaneProblem { domain, law: Law::new(lo, hi).unwrap_or(law), source })

@@ -3,6 +3,7 @@
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::spectral::geometry::boundary::{PlaneRing, Walk};
+use crate::spectral::geometry::curve::beside;
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
 use crate::spectral::geometry::images::{Image, images};
 use crate::spectral::geometry::medial::{MedialDisc, medial_discs};
@@ -149,8 +150,9 @@ impl Setup {
                 let spot = walk.spot(k, 0, 0.4142 * own.length, 0.0);
                 let room = self.jumps.distances(spot.z).fold(0.5 * own.length, f64::min);
                 if room > farthest.0 {
-                    let inwards = spot.tangent.turned().scaled(0.5 * room.min(1e-6));
-                    farthest = (room, k, spot.z + inwards);
+                    let at = [spot.z, spot.tangent.turned()];
+                    let [inside, _] = beside(at, 5e-7, [room].into_iter());
+                    farthest = (room, k, inside);
                 }
             }
             let (_, known, z) = farthest;

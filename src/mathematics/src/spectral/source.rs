@@ -4,6 +4,7 @@
 //! sum over the jumps ([`potential`]) and whose values are in [`psi`]; small closed shapes are seen from their own
 //! middles ([`groups`]). Of formulas: [`expansion`] multiplies them out to a [`polynomial`].
 
+pub(super) mod changes;
 pub(super) mod closed_edges;
 pub(super) mod curves;
 pub(super) mod expansion;

@@ -48,12 +48,17 @@ impl<const D: usize, const V: usize> Cells<'_, D, V> {
     }
 
     /// Puts a flux through the facets that exceeds a limit of the law within it: where a limit is met, rounding decides
-    /// the side.
-    pub(super) fn clamp<const N: usize>(&self, sides: &Sides<V>, flux: &mut [[f64; N]]) {
+    /// the side. Returns the largest change.
+    pub(super) fn clamp<const N: usize>(&self, sides: &Sides<V>, flux: &mut [[f64; N]]) -> f64 {
+        let mut largest = 0.0f64;
         for (facet, at) in self.mesh.facets().iter().zip(sides.of_facets()) {
-            let (interval, flux) = (self.interval(facet), &mut flux[at.side as usize]);
-            *flux = flux.map(|flux| interval.clamp(flux));
+            let interval = self.interval(facet);
+            for flux in &mut flux[at.side as usize] {
+                let before = std::mem::replace(flux, interval.clamp(*flux));
+                largest = largest.max((*flux - before).abs());
+            }
         }
+        largest
     }
 
     /// Cell of this number.

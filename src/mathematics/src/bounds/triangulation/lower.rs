@@ -9,7 +9,7 @@
 use super::BoundedProblem;
 use super::cells::{COST, gradient};
 use crate::machine::threads::{among_threads, items_per_task, map_range};
-use crate::mesh::{BoundarySide, Condition, Edges, Element, Facet, Sides, dot};
+use crate::mesh::{BoundarySide, Condition, Edges, Element, Facet, Mesh, Sides, dot};
 
 /// Rounding errors of a residual, in roundings of its terms.
 const ROUNDINGS: f64 = 64.0;
@@ -120,7 +120,7 @@ pub(super) fn lower<const D: usize, const V: usize>(
             product += bubble.size() * bubble.residual;
             rounding += bubble.size().abs() * bubble.magnitude;
         }
-        let square = square(problem, &edges, &bubbles);
+        let square = square(mesh, &edges, &bubbles);
         let product = product - ROUNDINGS * f64::EPSILON * rounding;
         // Sums of as many terms as there are cells.
         let sums = 1.0 - f64::EPSILON * 16.0 * mesh.cells().len() as f64;
@@ -179,11 +179,10 @@ fn bubbles<const D: usize, const V: usize>(
 
 /// Square of the norm of the gradient of the sum of the bubbles.
 fn square<const D: usize, const V: usize>(
-    problem: &BoundedProblem<'_, D, V>,
+    mesh: &Mesh<D, V>,
     edges: &CellEdges<'_, V>,
     bubbles: &[EdgeBubble],
 ) -> f64 {
-    let mesh = problem.mesh;
     let of_cell = |number: usize| {
         let nodes = &mesh.cells()[number];
         let cell = CellBubbles { element: Element::new(mesh.vertices(nodes)) };
@@ -207,4 +206,54 @@ fn square<const D: usize, const V: usize>(
     };
     let each = items_per_task(runs.len(), COST * RUN);
     map_range(runs, each, of_run).iter().sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{BuiltIn, uniform_cube};
+    use std::array::from_fn;
+
+    /// Square of the norm of the gradient of a sum of bubbles, by the values at the vertices and their mean: gradients
+    /// are linear.
+    fn by_points<const D: usize, const V: usize>(
+        mesh: &Mesh<D, V>,
+        edges: &CellEdges<'_, V>,
+        bubbles: &[EdgeBubble],
+    ) -> f64 {
+        let mut sum = 0.0;
+        for (number, nodes) in mesh.cells().iter().enumerate() {
+            let element = Element::new(mesh.vertices(nodes));
+            let mut slopes = [[0.0; D]; V];
+            for [i, j] in CellBubbles::<D, V>::edges() {
+                let size = 4.0 * bubbles[edges.number(number, nodes, [i, j])].size();
+                for d in 0..D {
+                    slopes[i][d] += size * element.gradients[j][d];
+                    slopes[j][d] += size * element.gradients[i][d];
+                }
+            }
+            let mean = from_fn(|d| slopes.iter().map(|slope| slope[d]).sum::<f64>());
+            let squares = slopes.iter().map(|slope| dot(*slope, *slope)).sum::<f64>();
+            sum += element.volume * (squares + dot::<D>(mean, mean)) / (V * (V + 1)) as f64;
+        }
+        sum
+    }
+
+    fn check<const D: usize, const V: usize>(mesh: &Mesh<D, V>, edges: &CellEdges<'_, V>) {
+        let mut bubbles = Vec::new();
+        for edge in 0..edges.len() {
+            let residual = libm::sin(78.233 * edge as f64);
+            bubbles.push(EdgeBubble { residual, stiffness: 1.0, magnitude: 0.0 });
+        }
+        let [found, expected] = [square(mesh, edges, &bubbles), by_points(mesh, edges, &bubbles)];
+        assert!((found - expected).abs() < 1e-12 * expected, "{found} {expected}");
+    }
+
+    #[test]
+    fn bubbles_that_overlap_have_the_norm_of_their_sum() {
+        let mesh = BuiltIn::LShape.plane().unwrap();
+        check(&mesh, &CellEdges::Sides(&Sides::new(&mesh)));
+        let cube = uniform_cube(2);
+        check(&cube, &CellEdges::Edges(Edges::new(cube.points().len(), cube.cells())));
+    }
 }

@@ -88,27 +88,6 @@ use stream::circulate;
 use sums::{Summands, Totals};
 use vary::vary;
 
-/// Returns bounds for the nodal vector `y`, one value for each node, as an approximation of the solution for f under a
-/// law on the boundary in contact. Any vector may be given; `network` must be that of `mesh` with the present
-/// conditions. There is no recovery.
-///
-/// # Errors
-/// As `BoundedProblem::bounds`.
-///
-/// # Panics
-/// If `y`, `network` and `mesh` have not the same number of nodes, or `f` is not that of the mesh.
-pub fn bounds_on_mesh<const D: usize, const V: usize>(
-    mesh: &Mesh<D, V>,
-    network: &Network,
-    f: &MeshLoad,
-    law: Law,
-    y: &[f64],
-) -> Result<Bounds, NoBound> {
-    let sides = Sides::new(mesh);
-    let problem = BoundedProblem { mesh, sides: &sides, network, f, law };
-    Ok(problem.with_lower(problem.bounds(y)?.bounds, y))
-}
-
 /// Discrete problem on a mesh, as far as bounds are concerned.
 #[derive(Clone, Copy)]
 pub(crate) struct BoundedProblem<'a, const D: usize, const V: usize> {

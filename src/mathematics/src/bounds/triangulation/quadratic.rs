@@ -20,6 +20,8 @@ use crate::problem::law::Law;
 const MOST_TIMES: usize = 3;
 /// Most steps of multigrid.
 const MOST_STEPS: usize = 60;
+/// Change of a flux by rounding, over the largest flux, at most.
+const ROUNDING: f64 = 1e-12;
 /// Part of the square of the distance between the gradient and the flux that need not be gained.
 const NEAR: f64 = 0.01;
 
@@ -47,7 +49,7 @@ pub(super) fn circulate_quadratic<const D: usize, const V: usize>(
 ) {
     let (first, before) = (flux.clone(), square(cells, sides, flux));
     let mut limits = FacetLimits::new(cells, sides, flux);
-    let mut now = before;
+    let (mut now, mut moved) = (before, 0.0);
     for time in 0..=MOST_TIMES {
         if time == MOST_TIMES {
             limits.hold_all();
@@ -59,13 +61,15 @@ pub(super) fn circulate_quadratic<const D: usize, const V: usize>(
         let best = square(cells, sides, flux);
         let on_boundary = limits.exceeded_by(flux);
         on_boundary.iter().for_each(|psi| stream.add(psi, flux));
-        cells.clamp(sides, flux);
+        moved += cells.clamp(sides, flux);
         now = square(cells, sides, flux);
         if on_boundary.is_none() || now - best <= NEAR * (distance - (before - now)) {
             break;
         }
     }
-    if now >= before || now.is_nan() {
+    // What puts a flux within the law may change no more than rounding does, which the bounds have room for.
+    let largest = first.as_flattened().iter().fold(0.0f64, |largest, flux| flux.abs().max(largest));
+    if now >= before || now.is_nan() || moved > ROUNDING * largest {
         *flux = first;
     }
 }

@@ -16,6 +16,18 @@ use crate::mesh::{
 use crate::multigrid::{MultigridParams, solve_square};
 use crate::problem::unsolvable::Unsolvable;
 
+/// Bounds for a nodal vector, with the lower one of the error.
+fn bounds_on_mesh<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    network: &Network,
+    f: &MeshLoad,
+    law: Law,
+    y: &[f64],
+) -> Result<Bounds, NoBound> {
+    let problem = BoundedProblem { mesh, sides: &Sides::new(mesh), network, f, law };
+    Ok(problem.with_lower(problem.bounds(y)?.bounds, y))
+}
+
 /// Load vector of an f that is constant on each cell.
 fn load_of_cells<const D: usize, const V: usize>(mesh: &Mesh<D, V>, f: &[f64]) -> Vec<f64> {
     let mut load = vec![0.0; mesh.points().len()];

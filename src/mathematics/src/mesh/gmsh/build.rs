@@ -458,6 +458,8 @@ mod tests {
             "`diagonal` lies inside the domain, where no condition holds; the parts of the boundary are south, \
              loaded, boundary"
         );
+        let inside = "borders of regions are straight edges; write a disc or ball in f in place of a round region";
+        let refused = refused.replace("no condition holds", inside);
         assert_eq!(mesh.set_curve("diagonal", &[0.0, 0.0, 1.0]), Err(refused));
     }
 

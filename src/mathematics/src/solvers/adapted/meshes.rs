@@ -13,7 +13,7 @@ use crate::discrete::nested::NestedNetwork;
 use crate::discrete::norms::largest;
 use crate::discrete::stop::Stop;
 use crate::levels::{
-    Problem, ProblemError, ROUNDING, Step, Triangulations, Watch, check_missed, read,
+    Problem, ProblemError, ROUNDING, Step, Triangulations, VectorErrors, Watch, check_missed, read,
 };
 use crate::machine::threads::{among_threads, join, map};
 use crate::mesh::{
@@ -390,14 +390,14 @@ impl Refining for Meshes<'_> {
         let y = self.y.expect("a vector with bounds");
         let network = &self.networks[self.networks.len() - 1].network;
         let (mesh, sides, f) = (&self.all[self.all.len() - 1], &self.sides, &self.load);
-        let errors = found.errors();
+        let errors = VectorErrors { law, y: y.clone(), of_cells: found.errors() };
         let bounded = BoundedProblem { mesh, sides, network, f, law };
         self.bounds.push(Ok(bounded.with_lower(found.bounds, &y)));
         (self.ended)(Step::Bounds);
         let is_curved = mesh.parts().iter().any(|part| part.curve.is_some());
         let nested = NestedMeshes { meshes: self.all, networks: self.networks };
         let levels =
-            Triangulations::of(nested, (self.f, self.adaption.f), self.load).with_errors(errors);
+            Triangulations::of(nested, (self.f, self.adaption.f), self.load).adapted(errors);
         let run = Run {
             solver: Solver::Multigrid,
             y,

@@ -269,6 +269,16 @@ fn parts_of_the_error_sum_up_to_the_bound() {
     }
 }
 
+#[test]
+fn meshes_that_miss_much_of_f_have_no_bound() {
+    let f = "formula(2*sin(90001*x)*sin(70003*y)-1)";
+    let problem = KnownEnergy { f, ..known().pop().unwrap() };
+    let adaption = problem.adaption(Accuracy::Error(0.1));
+    let mut meshes = super::meshes::Meshes::new(&adaption, &|_| ()).unwrap();
+    let found = meshes.solve(&mut ()).unwrap();
+    assert!(matches!(found, Err(NoBound::Missed { .. })), "{found:?}");
+}
+
 /// Mesh of the finest level.
 fn finest(problem: &Problem) -> AnyMesh {
     problem.levels().mesh(problem.finest()).into_owned()

@@ -1,5 +1,6 @@
 //! Lines and circles: the points at which they meet, and the curves that bound a shape.
 
+use crate::machine::sums::two_sum;
 use crate::problem::complex::Complex;
 use crate::problem::shape::{Shape, scaled};
 use crate::spectral::complex::arg;
@@ -110,6 +111,17 @@ impl Curve {
         Relation { a, b: b.re, c, bend, square: versine * (2.0 - versine), concentric }
     }
 
+    /// Overlap with another curve that it touches, as [`Self::meets`] sees it, by two points of both. By the triangle
+    /// of the centres and one of these points they are `2 sqrt(square) / bend` apart, and the width between the curves
+    /// is about `square / (2 bend)`.
+    pub(in crate::spectral) fn overlap(self, other: Self) -> Option<Overlap> {
+        let Relation { square, bend, .. } = self.relation(other);
+        let is_one = self.curvature == 0.0 && other.curvature == 0.0 || self.same(other);
+        // By the angle at both points, and the difference of the curvatures.
+        (!is_one && square > 0.0 && square < SAME * bend)
+            .then(|| Overlap { width: square / bend, length: 4.0 * square.sqrt() / bend })
+    }
+
     /// Points at which the curve meets another one, as distances from the origin along it. Curves that overlap by, or
     /// lack, less than half of [`SAME`] touch, as is frequent with decimal input.
     pub(in crate::spectral) fn meets(self, other: Self) -> Vec<f64> {
@@ -163,6 +175,24 @@ pub(in crate::spectral) struct Polar {
     pub power: f64,
 }
 
+/// Points on the left and on the right of a point of a curve with this normal to the left, `most` from it, and no
+/// farther than half of these distances of others.
+pub(in crate::spectral) fn beside(
+    [z, normal]: [Complex; 2],
+    most: f64,
+    others: impl Iterator<Item = f64>,
+) -> [Complex; 2] {
+    let step = normal.scaled(others.fold(most, |step, away| step.min(0.5 * away)));
+    [z + step, z - step]
+}
+
+/// Bounds of the width and the length of what two curves share.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::spectral) struct Overlap {
+    pub width: f64,
+    pub length: f64,
+}
+
 /// Position of two curves with respect to each other. They meet at the distances s along the first, of curvature k, for
 /// which `u = tan(k s / 2) / (k / 2)` is a root of `a u^2 + 2 b u + c`.
 struct Relation {
@@ -205,8 +235,7 @@ pub(in crate::spectral) fn borders(shape: &Shape<2>) -> Vec<Curve> {
             let (centre, small, large) =
                 (Complex::new(x, y), x.abs().min(y.abs()), x.abs().max(y.abs()));
             let away = centre.norm();
-            // Of a large disc the point nearest to the square, without cancellation.
-            let nearest = ((large - radius) * (large + radius) + small * small) / (away + radius);
+            let nearest = less_square([large, small], radius) / (away + radius);
             let (normal, origin) = if away > 0.5 * radius {
                 (centre.scaled(1.0 / away), centre.scaled(nearest / away))
             } else {
@@ -219,6 +248,16 @@ pub(in crate::spectral) fn borders(shape: &Shape<2>) -> Vec<Curve> {
             lines.filter(|line| line.origin.norm() < FARTHEST).collect()
         }
     }
+}
+
+/// `large^2 + small^2 - radius^2`, with the digits that are left where that nearly vanishes.
+fn less_square([large, small]: [f64; 2], radius: f64) -> f64 {
+    let [difference, rest] = two_sum(large, -radius);
+    let [sum, remainder] = two_sum(large, radius);
+    let (product, square) = (difference * sum, small * small);
+    let [total, last] = two_sum(product, square);
+    let of_products = libm::fma(difference, sum, -product) + libm::fma(small, small, -square);
+    total + (last + of_products + difference * remainder + rest * sum)
 }
 
 /// Line `a x + b y = c`.
@@ -275,5 +314,17 @@ mod tests {
         let right = Curve::line(Complex::new(0.5, 0.0), Complex::new(0.0, 1.0));
         let [touch] = circle.meets(right)[..] else { panic!("one point") };
         assert!((circle.at(touch) - Complex::new(0.5, 0.125)).norm() < 1e-15);
+    }
+
+    #[test]
+    fn large_circles_are_known_to_the_last_digit() {
+        // At a right angle, 5 = |(3, 4)|: a quarter less than the distance of the centre from the origin.
+        let unit = 16_777_216.0;
+        for [x, y] in [[3.0, 4.0], [-4.0, 3.0], [5.0, 0.0]] {
+            let [circle] = borders(&disc(x * unit, y * unit, 5.0 * unit - 0.25))[..] else {
+                panic!()
+            };
+            assert!((circle.origin.norm() - 0.25).abs() < 1e-16, "{x} {y}: {:?}", circle.origin);
+        }
     }
 }

@@ -139,7 +139,9 @@ impl PlaneDomain {
     /// [`PlaneError::Domain`] if a loop does not close, two of its sides lie on each other, or the domain does not lie
     /// on its left.
     pub(crate) fn new(loops: Vec<Vec<PlaneSide>>) -> Result<Self, PlaneError> {
-        /// Distance of points, over the diameter, up to which they are one.
+        /// Distance, over the diameter, up to which sides that meet may be apart: rounding of points of circles.
+        const MEET: f64 = 2e-14;
+        /// That from which on sides beside each other leave room between them.
         const CLOSE: f64 = 1e-9;
         /// Least length of a side, over the diameter, and over the perimeter: shorter ones are one point of a walk.
         const SHORTEST: [f64; 2] = [1e-9, 2e-10];
@@ -150,7 +152,7 @@ impl PlaneDomain {
             let many = sides.len();
             let closes = (0..many).all(|k| {
                 let end = sides[k].point(sides[k].length());
-                (end - sides[(k + 1) % many].point(0.0)).norm() < CLOSE * size
+                (end - sides[(k + 1) % many].point(0.0)).norm() <= MEET * size
             });
             if many == 0 || !closes {
                 return Err(PlaneError::Domain(format!(
@@ -192,7 +194,7 @@ impl PlaneDomain {
     /// Length of the diagonal of the box round the domain.
     pub(in crate::spectral) fn diameter(&self) -> f64 {
         let [[left, right], [low, high]] = self.extent();
-        (right - left).hypot(high - low)
+        libm::hypot(right - left, high - low)
     }
 
     /// Power of two near half of the diameter.
@@ -261,6 +263,19 @@ impl PlaneDomain {
             }
         }
         inside
+    }
+
+    /// Largest length of the boundary between two points on both sides of a corner, over their distance: one over the
+    /// sine of half of its angle, or more.
+    pub(in crate::spectral) fn longest_detour(&self) -> f64 {
+        let mut least = 1.0f64;
+        for sides in &self.loops {
+            for (k, side) in sides.iter().enumerate() {
+                let before = &sides[(k + sides.len() - 1) % sides.len()];
+                least = least.min(before.tangent(before.length()).dot(side.tangent(0.0)));
+            }
+        }
+        (0.5 * (1.0 + least)).max(f64::MIN_POSITIVE).sqrt().recip()
     }
 
     /// Points of the domain, so many if it is not tiny in the box round it.
@@ -349,8 +364,12 @@ pub enum PlaneError {
 }
 
 impl PlaneError {
-    /// True if the input is the reason, and not that no solution was found.
-    pub fn is_of_input(&self) -> bool {
-        !matches!(self, Self::NotFound(_))
+    /// Change of the input that this solver needs; none if no solution was found.
+    pub fn remedy(&self) -> Option<&'static str> {
+        match self {
+            Self::Domain(_) => Some("change the domain"),
+            Self::Source(_) => Some("change f"),
+            Self::NotFound(_) => None,
+        }
     }
 }

@@ -1,7 +1,10 @@
 //! Place from which a domain is seen, so that coordinates far from the origin of the plane lose no digit.
 
+use crate::machine::sums::two_sum;
 use crate::mesh::PlaneMesh;
+use crate::problem::shape::Shape;
 use crate::problem::source::Source;
+use crate::spectral::geometry::domain::PlaneError;
 
 /// Place from which the domain of a mesh is seen: its coordinates lose no digit when it is subtracted.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +49,27 @@ impl Origin {
     pub(in crate::spectral) fn pieces(self, f: &Source) -> Source {
         pieces_seen(f, self.0, 1.0)
     }
+
+    /// Checks that the centre of no disc, seen from here, loses digits that count in a domain of this diameter: beside
+    /// the domain no centre does. Half-planes lose none, and rectangles only of sides that do not meet the domain.
+    ///
+    /// # Errors
+    /// [`PlaneError::Source`].
+    pub(in crate::spectral) fn check(self, f: &Source, diameter: f64) -> Result<(), PlaneError> {
+        let Source::Pieces { pieces, .. } = f else { return Ok(()) };
+        for (shape, _) in pieces {
+            let Shape::Ball { centre, radius } = *shape else { continue };
+            let lost = [0, 1].map(|axis| two_sum(centre[axis], -self.0[axis])[1].abs());
+            if lost.into_iter().any(|lost| lost > f64::EPSILON * diameter) {
+                let [x, y] = centre;
+                return Err(PlaneError::Source(format!(
+                    "the centre of the disc of radius {radius} round ({x}, {y}) has more digits than count beside the \
+                     domain, seen from there; write it with fewer digits"
+                )));
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Constant pieces in the coordinates with an origin and a unit, a power of two.
@@ -53,4 +77,23 @@ pub(in crate::spectral) fn pieces_seen(f: &Source, origin: [f64; 2], unit: f64) 
     let Source::Pieces { background, pieces } = f else { return f.clone() };
     let seen = pieces.iter().map(|(shape, f)| (shape.exactly_seen_from(origin, unit), *f));
     Source::Pieces { background: *background, pieces: seen.collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn centres_that_lose_digits_are_refused() {
+        let origin = Origin([500.0, 500.0]);
+        for (f, diameter, is_refused) in [
+            ("disc(500.0001,500.0003,0.0001)=2; else=-1", 1e-3, false),
+            ("disc(0.1,500,499.9)=2; else=-1", 1e-3, true),
+            ("disc(0.1,500,499.9)=2; else=-1", 1e3, false),
+            ("disc(0.125,500,499.9)=2; else=-1", 1e-3, false),
+            ("halfplane(0.1,0.3,200)=2; else=-1", 1e-3, false),
+        ] {
+            assert_eq!(origin.check(&f.parse().unwrap(), diameter).is_err(), is_refused, "{f}");
+        }
+    }
 }

@@ -16,8 +16,8 @@ const STRAIGHT: f64 = 1e-6;
 const OFF: f64 = 1e-9;
 /// That distance up to which it is on the line: the rounding errors of coordinates.
 const ON_LINE: f64 = 1e-15;
-/// Distance of a corner from its curves, over the size of the curve.
-const APART: f64 = 1e-12;
+/// Distance of a corner from its curves, over the size of the curve: the rounding errors of points of circles.
+const APART: f64 = 1e-14;
 
 /// Returns the sides of a closed curve of a boundary, whose parts lie on these circles.
 ///
@@ -193,7 +193,7 @@ impl MeshOutline {
         }
         let mut z = node;
         for _ in 0..PROJECTIONS {
-            if greatest_distance(&curves, z) <= 1e-3 * APART * self.size {
+            if greatest_distance(&curves, z) <= 0.1 * APART * self.size {
                 break;
             }
             z = curves.iter().fold(z, |z, curve| curve.nearest(z));

@@ -51,14 +51,15 @@ fn legendre(n: usize, x: f64) -> Vec<f64> {
     values
 }
 
-/// Parts of a range, in order: each part for which `at` returns a point is cut there.
+/// Parts of a range, in order: each part for which `at` returns a point between its ends is cut there.
 pub(in crate::spectral) fn cut(
     range: [f64; 2],
     at: impl Fn([f64; 2]) -> Option<f64>,
 ) -> Vec<[f64; 2]> {
     let (mut left, mut parts) = (vec![range], Vec::new());
     while let Some(part @ [from, to]) = left.pop() {
-        match at(part) {
+        // No number lies between neighbours.
+        match at(part).filter(|&middle| from < middle && middle < to) {
             Some(middle) => left.extend([[middle, to], [from, middle]]),
             None => parts.push(part),
         }
@@ -80,6 +81,14 @@ mod tests {
 
     fn power(x: f64, k: i32) -> f64 {
         (0..k).fold(1.0, |p, _| p * x)
+    }
+
+    #[test]
+    fn ranges_are_cut_until_no_number_lies_between() {
+        let range = [0.3, 0.3 + 3.0 * f64::EPSILON];
+        let parts = halved(range, |_| true);
+        assert_eq!((parts[0][0], parts[parts.len() - 1][1]), (range[0], range[1]));
+        assert!(parts.iter().all(|&[from, to]| to.to_bits() == from.to_bits() + 1), "{parts:?}");
     }
 
     #[test]

@@ -28,12 +28,15 @@
 //! bounds the two Dirichlet integrals, [`samples`](super::samples) all quantities between points, and
 //! [`exact_energy`](super::exact_energy) the error of J. Since J(0) = 0, the upper bound is at most zero.
 //!
-//! *Another f.* Where `-Lap psi` is not f but a function that differs from it by no more than d on a disc of radius R
-//! round the domain D, as for a formula whose coefficients are rounded, J above is that of the other function. With g
-//! the difference there is a field `r = -x int g(t x) t dt` with `-div r = g` and `|r| <= d R / 2`; p becomes `grad v +
-//! rot E + r`, whose flux is off by no more than `d R / 2`, which counts among the errors of l. So both ends move by
-//! `int |g v|`, the upper one by `int |g W|` more, and in the lower one `|grad E|` becomes `|grad E| + |r|`. By the
-//! maximum principle for `v - psi`, `|v|` is at most its bound on the boundary and twice that of psi more.
+//! *Another f.* Where `-Lap psi` is not f but differs from it by g, as for a formula whose coefficients are rounded or
+//! curves that count as one, J above is that of the other function. The setup comes with bounds of the integral of |g|
+//! and of a field r with `-div r = g` ([`Changes`]); p becomes `grad v + rot E + r`, whose flux is off by no more than
+//! |r|, which counts among the errors of l. So both ends move by `int |g v|`, the upper one by `int |g W|` more, and in
+//! the lower one `|grad E|` becomes `|grad E| + |r|`. By the maximum principle |v| is at most its bound on the boundary
+//! and that of a potential of |f| more (`SourceSize`). The part of a shape that reaches beyond the boundary, by less
+//! than a tolerance, is no change of f, but counts in `int f psi`, by |psi|.
+//!
+//! [`Changes`]: crate::spectral::source::changes::Changes
 
 use super::cells::ProofCell;
 use super::exact_energy::{Leftover, bounded_energy};
@@ -43,8 +46,7 @@ use super::samples::{Quantity, Sampled, Test};
 use super::{PlaneBracket, Proof};
 use crate::spectral::contact::search::PlaneFound;
 use crate::spectral::setup::Setup;
-use crate::spectral::source::psi::Psi;
-use std::f64::consts::PI;
+use crate::spectral::source::jumps::PlaneJumps;
 
 /// Bounds of a solution, whatever their distance.
 ///
@@ -111,7 +113,7 @@ pub(super) fn proved(
         ("rounding in the integrals of the energy", 2.0 * exact.error),
         ("v on the boundary", moved + 0.5 * of_w),
         ("the flux through the boundary", 0.5 * of_e),
-        ("rounding of the coefficients of f", 2.0 * change.of_v),
+        ("f, which is rounded or changed by a tolerance", 2.0 * change.of_v),
     ];
     let (cause, _) =
         terms.into_iter().max_by(|one, other| one.1.total_cmp(&other.1)).unwrap_or_default();
@@ -135,17 +137,15 @@ struct SourceChange {
 impl SourceChange {
     /// By bounds of v on the cells of the boundary, and of W.
     fn new(setup: &Setup, samples: &[Sampled], of_w: f64) -> Self {
-        let Psi::Polynomial(f) = &setup.jumps.psi else {
-            return Self { of_v: 0.0, of_w: 0.0, field: 0.0 };
-        };
+        let PlaneJumps { changes, inner, .. } = &setup.jumps;
         let on_boundary = samples.iter().map(|own| own.most(Test::of(Quantity::Value)));
-        let [_, psi, _] = f.moduli(f.radius);
-        let of_v = on_boundary.fold(0.0, f64::max) + of_w + 2.0 * psi;
-        let area = PI * f.radius * f.radius;
+        let nodes = samples.iter().flat_map(|own| &own.nodes);
+        let psi = nodes.fold(0.0f64, |most, node| most.max(node.psi.abs()));
+        let of_v = on_boundary.fold(0.0, f64::max) + of_w + inner + 2.0 * psi;
         Self {
-            of_v: f.error * area * of_v,
-            of_w: f.error * area * of_w,
-            field: 0.5 * f.error * f.radius * area.sqrt(),
+            of_v: changes.mass * of_v,
+            of_w: changes.mass * of_w,
+            field: changes.square(setup.diameter).sqrt(),
         }
     }
 }

@@ -9,15 +9,21 @@
 //! are made from any function `v = psi + Re g` of the form below, right or not: nothing of how v was found is used.
 //!
 //! 1. *Data.* The curves, points and values of the setup are those of the statement but for rounding of coordinates by
-//!    two units in the last place, which counts as an error of v (step 7). A crossing of f that is joined with a corner
-//!    next to it counts where it is (`BoundedEnergy::add_joined`). Whatever else was changed on the way here, as a side
-//!    made straight, is not seen from the proof and has to be in the ends
-//!    or to be refused by whoever made the setup.
-//! 2. *The equation.* `-Lap psi = f` holds exactly where f is made of the jumps that psi has: their values are compared
-//!    with f beside the middle of each jump (`has_values`), and the integral of f with that of dv/dn, which also sees f
-//!    beside intervals. g is analytic in the domain if no cut and no pole lies in it: tips are clear of the closed
-//!    domain, and a cut that begins outside, or at a corner between both sides, meets the boundary no earlier than 1.1
-//!    of its length (`is_outside`); middles of holes lie in holes. Tests: `tests::refused`.
+//!    two units in the last place, which counts as an error of the energy (step 7). A crossing of f that is joined
+//!    with a corner next to it counts where it is (`BoundedEnergy::add_joined`), a bend of a side is kept, however
+//!    small.
+//!    Where numbers nearly agree and count as one, f is changed on a set that is bounded with the jumps ([`Changes`]):
+//!    between curves that count as one (`add_moved`, `add_between`) or touch (`add_overlap`), on shapes without borders
+//!    (`add_disc`), between a border and a side (`add_outside`), and in what the pieces between points that count as
+//!    one enclose (`add_joined`). Step 8 has the effect; a problem of which so more than a small share of f changes is
+//!    refused. Tests: `solution::tests::changes`.
+//! 2. *The equation.* `-Lap psi = f` holds exactly but for these changes: all pieces of all borders of f are jumps of
+//!    psi (`Jumps::new`), which add up to zero in each vertex (`Jumps::check_vertices`), so that both differ by one
+//!    constant, which is none where f is known. Values are also compared with f beside the middle of each jump
+//!    (`has_values`), and the integral of f with that of dv/dn. g is analytic in the domain if no cut and no pole lies
+//!    in it: tips are clear of the closed domain, and a cut that begins outside, or at a corner between both sides,
+//!    meets the boundary no earlier than 1.1 of its length (`is_outside`); middles of holes lie in holes. Tests:
+//!    `tests::refused`.
 //! 3. *Cells.* The boundary is cut into cells on which v, continued to an ellipse round the cell, is analytic
 //!    ([`cells`]). The ellipse lies in a disc that holds no singular point; next to a corner, an end of contact or a
 //!    crossing the variable is log r, and the ellipse lies between two circles round it. With M a bound of the modulus
@@ -76,10 +82,13 @@
 //! found away from small shapes. Arnoldi's recurrence for polynomials multiplies by z and subtracts what came before, k
 //! times; that its errors are not magnified holds as far as the polynomials, orthogonal on the boundary, are of about
 //! unit size there, and is seen on bars of 1 : 20 and on polygons, where the true error is at most 0.4 of half of the
-//! distance of the bounds. Sums over cells lose no more than half a unit of all terms for each addition. Tests:
+//! distance of the bounds. Sums over cells lose no more than half a unit of all terms for each addition. Ends of arcs
+//! are computed from angles; sides that meet farther apart than 2e-14 of the size of the domain are refused. Tests:
 //! `psi_errors::tests`, `green::tests`, and the differences of closed forms in `exact_energy::tests`.
 //!
 //! So a guarantee is one for the statement as in step 1, and but for this model.
+//!
+//! [`Changes`]: crate::spectral::source::changes::Changes
 
 mod bounds;
 mod cells;
@@ -97,7 +106,7 @@ use super::fit::Fit;
 use super::functions::Family;
 use super::setup::Setup;
 use crate::problem::complex::Complex;
-use crate::spectral::source::groups::{JumpGroup, beside};
+use crate::spectral::source::groups::{JumpGroup, beside_edge};
 pub(super) use bounds::{ROUNDED, bracket};
 use cells::{CellStretch, ProofCell, Singular, Surroundings, Track};
 use extension::{Chord, share};
@@ -250,13 +259,16 @@ impl<'a> Proof<'a> {
     }
 }
 
-/// True if `-Lap psi` is f on both sides of the jumps of a group, next to their middles.
+/// True if `-Lap psi` is f on both sides of the jumps of a group, next to their middles; not looked at where points so
+/// near are one but for rounding.
 fn has_values(group: &JumpGroup) -> bool {
     let edges = || group.edges.iter().map(|own| &own.edge);
     edges().all(|edge| {
         let size = 1e-9 * (edge.values[0].abs() + edge.values[1].abs());
-        let [left, right] = beside(edge, edges()).map(|z| group.psi.source(z));
-        (left - edge.values[0]).abs() <= size && (right - edge.values[1]).abs() <= size
+        let points = beside_edge(edge, edges());
+        let is_near = (points[0] - points[1]).norm() < 10.0 * f64::EPSILON * group.reach();
+        let [left, right] = points.map(|z| group.psi.source(z));
+        is_near || (left - edge.values[0]).abs() <= size && (right - edge.values[1]).abs() <= size
     })
 }
 

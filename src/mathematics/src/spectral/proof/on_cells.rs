@@ -9,7 +9,6 @@ use crate::spectral::fit::field::node;
 use crate::spectral::functions::{Power, SpotSum};
 use crate::spectral::geometry::panels::Spot;
 use crate::spectral::geometry::rule::gauss;
-use crate::spectral::source::psi::Psi;
 
 impl Proof<'_> {
     /// Bounds of moduli on the ellipses of cells.
@@ -95,11 +94,8 @@ impl Proof<'_> {
         let psi = &self.setup.jumps.psi;
         let (values, gradients) = (psi.values(&points), psi.gradients(&points));
         let psi_errors = psi.errors(&points);
-        // The flux of the field whose divergence is the error of f.
-        let off_flux = match psi {
-            Psi::Polynomial(f) => 0.5 * f.error * f.radius,
-            Psi::Jumps(_) => 0.0,
-        };
+        // That of the field whose divergence is the change of f.
+        let off_flux = self.setup.jumps.changes.field;
         let mut samples = Vec::with_capacity(cells.len());
         for (k, (own, moduli)) in cells.iter().zip(self.moduli(cells)).enumerate() {
             let range = k * POINTS..(k + 1) * POINTS;

@@ -78,7 +78,8 @@ impl Potential {
         );
         // One more for each addition.
         let units = (UNITS + self.jumps.len() as f64) * f64::EPSILON;
-        let background = 0.5 * self.background.abs();
+        // The background is off by no more than two units of the jumps from which it is found.
+        let background = 0.5 * (self.background.abs() + 2.0 / UNITS * self.rounded);
         let mut errors = Vec::with_capacity(points.len());
         for z in points {
             let slope = background * z.norm();

@@ -5,11 +5,13 @@
 //! for a length of two, and from there away from the domain. Where the next piece has the same jump, so does all
 //! between.
 
+use super::changes::Changes;
 use super::potential::Potential;
+use crate::machine::sums::two_sum;
 use crate::problem::complex::Complex;
 use crate::problem::shape::Shape;
 use crate::problem::source::Source;
-use crate::spectral::geometry::curve::{Arc, Curve, ROUNDING, SAME, borders};
+use crate::spectral::geometry::curve::{Arc, Curve, ROUNDING, SAME, beside, borders};
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
 use crate::spectral::geometry::parts::{CurvePart, append, close};
 use crate::spectral::geometry::way_out::WayOut;
@@ -43,8 +45,14 @@ pub(in crate::spectral) struct Jumps {
     /// Parts of the curves that are such borders: of one of a shape, all of it.
     spans: Vec<Vec<[f64; 2]>>,
     pub edges: Vec<JumpEdge>,
-    /// Remark on a part of f that is too small or too near to the boundary to be among the jumps.
-    pub lost: Option<String>,
+    /// Bounds of the difference of f from that of the shapes.
+    pub changes: Changes,
+    /// Largest difference of f and a sum of two jumps more.
+    most: f64,
+    /// Lengths of the pieces between points that count as one, and of parts of the boundary between them.
+    joined: Vec<f64>,
+    /// Largest length of the boundary between two points beside a corner, over their distance.
+    detour: f64,
     /// Vertices that stand for all others within [`NEAR`].
     hubs: Vec<usize>,
     /// Potential of the jumps, without the background. Its vertices are the points at which edges meet inside the
@@ -86,37 +94,55 @@ impl Jumps {
 
     /// Jumps of f at the borders of the shapes of constant pieces, and of regions.
     ///
+    /// All pieces of all borders between their cuts are looked at, so that every jump of f inside the domain is among
+    /// these but for what [`Changes`] bounds.
+    ///
     /// # Errors
-    /// [`PlaneError::NotFound`] if there is no way out of a bay.
+    /// [`PlaneError::NotFound`] if there is no way out of a bay, [`PlaneError::Source`] if jumps do not add up to zero
+    /// where they meet.
     pub(in crate::spectral) fn new<'a>(
         domain: &PlaneDomain,
         all_pieces: impl IntoIterator<Item = &'a Source>,
         regions: impl IntoIterator<Item = Arc>,
         f: impl Fn(Complex) -> f64,
     ) -> Result<Self, PlaneError> {
-        let mut jumps = Self::default();
-        for source in all_pieces {
+        let sources: Vec<&Source> = all_pieces.into_iter().collect();
+        let largest = sources.iter().filter_map(|f| f.largest()).fold(0.0, f64::max);
+        let mut jumps =
+            Self { most: 4.0 * largest, detour: domain.longest_detour(), ..Self::default() };
+        for source in sources {
             let Source::Pieces { pieces, .. } = source else { continue };
-            for &(shape, _) in pieces {
-                jumps.lost = jumps.lost.or_else(|| vanishes(domain, shape));
-                for curve in borders(&shape) {
-                    // Common borders of two shapes are one curve.
-                    if !jumps.curves.iter().any(|&other| other.same(curve)) {
-                        jumps.curves.push(curve);
-                        let whole = [f64::NEG_INFINITY, f64::INFINITY];
-                        jumps.spans.push(vec![curve.period().map_or(whole, |turn| [0.0, turn])]);
-                    }
-                }
-            }
+            pieces.iter().for_each(|&(shape, _)| jumps.add_shape(domain, shape));
         }
         regions.into_iter().for_each(|arc| jumps.add_region(arc));
         for (k, curve) in jumps.curves.clone().into_iter().enumerate() {
             let cuts = jumps.cuts(domain, k);
-            jumps.lost = jumps.lost.or_else(|| runs_along_boundary(domain, curve, &cuts));
-            let pieces = pieces(domain, curve, cuts, |span| jumps.beside(k, span).map(&f));
+            let pieces = jumps.pieces(domain, k, cuts, &f);
             jumps.add(domain, curve, &pieces)?;
         }
+        jumps.changes.add_joined(jumps.most, &jumps.joined);
+        jumps.check_vertices()?;
         Ok(jumps)
+    }
+
+    /// Adds the borders of a shape; common borders of two shapes are one curve.
+    fn add_shape(&mut self, domain: &PlaneDomain, shape: Shape<2>) {
+        let curves = borders(&shape);
+        if let Shape::Ball { centre: [x, y], radius } = shape
+            && curves.is_empty()
+            && domain.depth(Complex::new(x, y)) >= -radius
+        {
+            self.changes.add_disc(self.most, radius.max(0.0));
+        }
+        for curve in curves {
+            if let Some(&known) = self.curves.iter().find(|other| other.same(curve)) {
+                self.changes.add_moved(self.most, curve, known);
+                continue;
+            }
+            self.curves.push(curve);
+            let whole = [f64::NEG_INFINITY, f64::INFINITY];
+            self.spans.push(vec![curve.period().map_or(whole, |turn| [0.0, turn])]);
+        }
     }
 
     /// Adds the border of a region to its curve.
@@ -129,6 +155,8 @@ impl Jumps {
             return;
         };
         let known = self.curves[k];
+        let off = [from, 0.5 * (from + to), to].map(|s| known.distance(curve.at(s)).abs());
+        self.changes.add_between(self.most, off.into_iter().fold(0.0, f64::max), to - from);
         // Circles run one way.
         let turns = known.curvature == 0.0 && known.tangent.dot(curve.tangent) < 0.0;
         let start = known.place(curve.at(if turns { to } else { from }));
@@ -144,57 +172,122 @@ impl Jumps {
         })
     }
 
-    /// Distance from the middle of a piece of a curve, up to `most`, at which f is still the value beside the piece:
-    /// curves that touch leave each other slowly. The piece is given by its start, middle and end; curves that pass
-    /// within `on` of the piece coincide with it.
-    fn room(&self, along: [Complex; 3], most: f64, on: f64) -> f64 {
-        let mut room = most;
-        for (k, other) in self.curves.iter().enumerate() {
-            if !other.holds(along, on) && self.is_border(k, other.place(along[1])) {
-                room = room.min(0.5 * other.distance(along[1]).abs());
-            }
-        }
-        room
-    }
-
-    /// Points on both sides of the middle of a piece of the `k`-th curve; the same one if that is no border there, or a
-    /// curve before has its jump.
-    fn beside(&self, k: usize, [from, to]: [f64; 2]) -> [Complex; 2] {
+    /// Points on both sides of the middle of a piece of the `k`-th curve at which f is the value beside the piece:
+    /// curves that touch leave each other slowly. The same one if that is no border there, or a curve before has its
+    /// jump.
+    fn beside(&mut self, k: usize, [from, to]: [f64; 2]) -> [Complex; 2] {
         let (curve, s) = (self.curves[k], 0.5 * (from + to));
         let along = [from, s, to].map(|s| curve.at(s));
-        let (z, normal) = (along[1], curve.direction(s).turned());
-        let step = normal.scaled(self.room(along, curve.rounding().max(SAME), ROUNDING));
+        let z = along[1];
+        let borders = self.curves.iter().enumerate();
+        let (on, off): (Vec<_>, Vec<_>) = borders
+            .filter(|(j, other)| self.is_border(*j, other.place(z)))
+            .partition(|(_, other)| other.holds(along, ROUNDING));
         // Where two curves touch, the jump is that of the first.
-        let mut before = self.curves[..k].iter().enumerate();
-        let known = before
-            .any(|(j, other)| other.holds(along, ROUNDING) && self.is_border(j, other.place(z)));
-        if known || !self.is_border(k, s) { [z; 2] } else { [z + step, z - step] }
+        if let Some(&(_, first)) = on.first().filter(|(j, _)| *j < k) {
+            let off = along.map(|z| first.distance(z).abs()).into_iter().fold(0.0, f64::max);
+            self.changes.add_between(self.most, off, to - from);
+            return [z; 2];
+        }
+        if !self.is_border(k, s) {
+            return [z; 2];
+        }
+        let apart = off.iter().map(|(_, other)| other.distance(z).abs());
+        beside([z, curve.direction(s).turned()], curve.rounding().max(SAME), apart)
     }
 
-    /// Points at which a border ends or meets others inside the domain, and at which its curve meets the sides.
-    fn cuts(&self, domain: &PlaneDomain, k: usize) -> Vec<CurveCut> {
+    /// Points at which a border ends or meets others inside the domain, and at which its curve meets the sides; and
+    /// those at which it does the former so near to a side that it counts as there.
+    fn cuts(&mut self, domain: &PlaneDomain, k: usize) -> (Vec<CurveCut>, Vec<f64>) {
         /// Distance of an end from the boundary below which it is there.
         const ON: f64 = 1e-9;
-        let curve = self.curves[k];
-        let mut cuts = on_sides(domain, curve);
-        for (j, other) in self.curves.iter().copied().enumerate() {
+        let (curve, most) = (self.curves[k], self.most);
+        let (mut cuts, mut beside) = (on_sides(domain, curve), Vec::new());
+        let sides = domain.sides().map(|side| side.arc.curve);
+        for other in self.curves[..k].iter().copied().chain(sides) {
+            if let Some(overlap) = curve.overlap(other) {
+                self.changes.add_overlap(most, overlap);
+            }
+        }
+        for j in 0..self.curves.len() {
+            let other = self.curves[j];
             // Where curves meet at a small angle their common points are known to few digits: both are cut at the same.
             let places = match j < k {
                 true => other.meets(curve).into_iter().map(|s| curve.place(other.at(s))).collect(),
                 false => curve.meets(other),
             };
-            let inside = places.into_iter().filter(|&s| {
+            for s in places {
                 let z = curve.at(s);
-                // A meeting so near to a side happens on the side.
-                domain.depth(z) > APART && self.is_border(k, s) && self.is_border(j, other.place(z))
-            });
-            cuts.extend(inside.map(|s| CurveCut { s, side: false }));
+                let depth = domain.depth(z);
+                if !(self.is_border(k, s) && self.is_border(j, other.place(z))) {
+                    continue;
+                }
+                if depth > APART {
+                    cuts.push(CurveCut { s, side: false });
+                } else if depth > -ROUNDING {
+                    beside.push(s);
+                }
+            }
         }
         let turn = curve.period().unwrap_or(f64::INFINITY);
         let parts = self.spans[k].iter().filter(|[from, to]| to - from < turn - SAME);
-        let ends = parts.flatten().filter(|s| domain.distance(curve.at(**s)) > ON);
-        cuts.extend(ends.map(|&s| CurveCut { s: curve.place(curve.at(s)), side: false }));
-        cuts
+        for s in parts.flatten() {
+            let z = curve.at(*s);
+            match domain.distance(z) > ON {
+                true => cuts.push(CurveCut { s: curve.place(z), side: false }),
+                false => beside.push(curve.place(z)),
+            }
+        }
+        (cuts, beside)
+    }
+
+    /// Pieces of a curve between cuts, once around a circle, with f beside those inside the domain, from their start
+    /// and end; neighbours with the same values on both sides are one. Beside other points f is taken from the middle
+    /// of the piece on its shorter part, too. With that of the other border and the boundary between both it encloses
+    /// where f changes.
+    fn pieces(
+        &mut self,
+        domain: &PlaneDomain,
+        k: usize,
+        (mut cuts, beside): (Vec<CurveCut>, Vec<f64>),
+        f: impl Fn(Complex) -> f64,
+    ) -> Vec<CurvePiece> {
+        let curve = self.curves[k];
+        cuts.sort_by(|a, b| a.s.total_cmp(&b.s));
+        if let Some(period) = curve.period() {
+            let first = cuts.first().copied().unwrap_or(CurveCut { s: 0.0, side: true });
+            cuts.resize(cuts.len().max(1), first);
+            cuts.push(CurveCut { s: first.s + period, ..first });
+        }
+        cuts.dedup_by(|b, a| {
+            let apart = b.s - a.s;
+            let is_same = apart < if a.side == b.side { SAME } else { ROUNDING };
+            if is_same && apart > 0.0 {
+                self.joined.push(apart * if a.side && b.side { 1.0 + self.detour } else { 1.0 });
+            }
+            is_same
+        });
+        let mut pieces = Vec::new();
+        for cut in cuts.windows(2) {
+            let span = [cut[0].s, cut[1].s];
+            let depth = domain.depth(curve.at(0.5 * (span[0] + span[1])));
+            // Curves meet one another inside only.
+            let inside = cut.iter().any(|cut| !cut.side) || depth > curve.rounding().max(APART);
+            if !inside && depth > 0.0 {
+                let off = off_side(domain, curve, span);
+                self.changes.add_outside(self.most, off, span[1] - span[0]);
+            }
+            if inside {
+                let shorter = beside.iter().filter_map(|&s| shorter_part(curve, span, s));
+                self.joined.extend(shorter.map(|length| (1.0 + self.detour) * length));
+            }
+            let value = inside.then(|| self.beside(k, span).map(&f));
+            append(&mut pieces, CurvePart { span, value });
+        }
+        if let Some(period) = curve.period() {
+            close(&mut pieces, period);
+        }
+        pieces
     }
 
     /// Adds the jumps along a curve, cut into pieces, with their continuation beyond the boundary.
@@ -211,6 +304,7 @@ impl Jumps {
             let arc = Arc { curve, span, ends };
             self.edges.push(JumpEdge { arc, values });
             let stitches = self.stitches(arc);
+            self.joined.extend(stitches.iter().map(|arc| arc.span[1]));
             self.edges.extend(stitches.into_iter().map(|arc| JumpEdge { arc, values }));
         }
         let open = tails(curve, pieces);
@@ -296,6 +390,32 @@ impl Jumps {
         stitches
     }
 
+    /// Checks that the jumps that end in each vertex add up to zero, but for the rounding of each: psi would belong to
+    /// an f that is not constant on pieces.
+    ///
+    /// # Errors
+    /// [`PlaneError::Source`].
+    fn check_vertices(&self) -> Result<(), PlaneError> {
+        let vertices = &self.psi.vertices;
+        let mut sums = vec![[0.0; 3]; vertices.len()];
+        for jump in &self.psi.jumps {
+            for (end, sign) in jump.arc.ends.into_iter().zip([-1.0, 1.0]) {
+                let Some(v) = end else { continue };
+                let [sum, rest, sizes] = sums[v];
+                let [sum, remainder] = two_sum(sum, sign * jump.size);
+                sums[v] = [sum, rest + remainder, sizes + jump.size.abs()];
+            }
+        }
+        // Half a unit for each difference of two values, and as much for the sum of the remainders.
+        let is_open = |[sum, rest, sizes]: &[f64; 3]| (sum + rest).abs() > f64::EPSILON * sizes;
+        let Some(v) = sums.iter().position(is_open) else { return Ok(()) };
+        let [x, y] = vertices[v].coordinates();
+        Err(PlaneError::Source(format!(
+            "borders of f end or meet near ({x:.3}, {y:.3}), in units of the domain, closer than this solver tells \
+             apart; move one of them"
+        )))
+    }
+
     /// Segment between two vertices.
     fn straight(&self, from: usize, to: usize) -> Arc {
         let [start, end] = [from, to].map(|v| self.psi.vertices[v]);
@@ -312,66 +432,21 @@ fn on_sides(domain: &PlaneDomain, curve: Curve) -> Vec<CurveCut> {
     met.map(|s| CurveCut { s, side: true }).collect()
 }
 
-/// Remark on a shape without borders, unless it is empty or away from the domain.
-fn vanishes(domain: &PlaneDomain, shape: Shape<2>) -> Option<String> {
-    let Shape::Ball { centre: [x, y], radius } = shape else { return None };
-    let is_away = domain.depth(Complex::new(x, y)) < -radius;
-    let is_known = radius <= 0.0 || !borders(&shape).is_empty() || is_away;
-    (!is_known).then(|| {
-        "f has a disc of less than 2e-12 of the size of the domain, too small for this solver; make it larger and its \
-         value smaller, with the same integral"
-            .into()
-    })
+/// Length of the shorter part of a piece of a curve between its ends and a point of the curve that lies on it.
+fn shorter_part(curve: Curve, [from, to]: [f64; 2], s: f64) -> Option<f64> {
+    let after = curve.period().map_or(s - from, |turn| (s - from).rem_euclid(turn));
+    (0.0..=to - from).contains(&after).then(|| after.min(to - from - after))
 }
 
-/// Remark on a piece of a curve between cuts that lies so near to the boundary that it counts as outside, but not on
-/// it.
-fn runs_along_boundary(domain: &PlaneDomain, curve: Curve, cuts: &[CurveCut]) -> Option<String> {
-    /// Area between a piece and the boundary that is lost to rounding.
-    const LOST: f64 = 1e-17;
-    let mut at: Vec<f64> = cuts.iter().map(|cut| cut.s).collect();
-    at.sort_by(f64::total_cmp);
-    at.extend(at.first().zip(curve.period()).map(|(first, turn)| first + turn));
-    at.windows(2).find_map(|span| {
-        let depth = domain.depth(curve.at(0.5 * (span[0] + span[1])));
-        let is_lost = ROUNDING < depth && depth <= curve.rounding().max(APART);
-        (is_lost && depth * (span[1] - span[0]) > LOST).then(|| {
-            format!(
-                "a border of f runs along the boundary, {depth:.1e} of the size of the domain away from it; put it on \
-                 the boundary, or farther away"
-            )
-        })
-    })
-}
-
-/// Pieces of a curve between cuts, once around a circle, with f beside those inside the domain, from their start and
-/// end; neighbours with the same values on both sides are one.
-fn pieces(
-    domain: &PlaneDomain,
-    curve: Curve,
-    mut cuts: Vec<CurveCut>,
-    beside: impl Fn([f64; 2]) -> [f64; 2],
-) -> Vec<CurvePiece> {
-    cuts.sort_by(|a, b| a.s.total_cmp(&b.s));
-    if let Some(period) = curve.period() {
-        let first = cuts.first().copied().unwrap_or(CurveCut { s: 0.0, side: true });
-        cuts.resize(cuts.len().max(1), first);
-        cuts.push(CurveCut { s: first.s + period, ..first });
-    }
-    cuts.dedup_by(|b, a| b.s - a.s < if a.side == b.side { SAME } else { ROUNDING });
-    let mut pieces = Vec::new();
-    for cut in cuts.windows(2) {
-        let span = [cut[0].s, cut[1].s];
-        let z = curve.at(0.5 * (span[0] + span[1]));
-        // Curves meet one another inside only.
-        let inside =
-            cut.iter().any(|cut| !cut.side) || domain.depth(z) > curve.rounding().max(APART);
-        append(&mut pieces, CurvePart { span, value: inside.then(|| beside(span)) });
-    }
-    if let Some(period) = curve.period() {
-        close(&mut pieces, period);
-    }
-    pieces
+/// Distance of a piece of a curve from the curve of the side that is nearest to all of it, at the worst of the points
+/// that cut it into eight.
+fn off_side(domain: &PlaneDomain, curve: Curve, [from, to]: [f64; 2]) -> f64 {
+    let points = (1..8).map(|k| curve.at(from + 0.125 * f64::from(k) * (to - from)));
+    let points: Vec<Complex> = points.collect();
+    let off = domain
+        .sides()
+        .map(|side| points.iter().map(|&z| side.arc.curve.distance(z).abs()).fold(0.0, f64::max));
+    off.fold(f64::INFINITY, f64::min)
 }
 
 /// Ends from which a line goes on to infinity, beyond the last sides; none of a circle.

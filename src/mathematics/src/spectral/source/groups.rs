@@ -3,12 +3,13 @@
 //! A strong f on a small shape, V on a width e, has an integral of about V e^2, and so has psi outside; seen from far
 //! away its terms are V, and their squares would be in the energy.
 
+use super::changes::UNITS;
 use super::closed_edges::{ClosedEdges, holds, is_parallel};
 use super::far_field::FarField;
 use super::psi::{Psi, PsiPart};
 use super::quadratic::{Extent, Quadratic};
 use crate::problem::complex::Complex;
-use crate::spectral::geometry::curve::{Arc, Curve, ROUNDING};
+use crate::spectral::geometry::curve::{Arc, Curve, ROUNDING, beside};
 use crate::spectral::geometry::domain::PlaneDomain;
 use crate::spectral::source::curves::JumpEdge;
 use crate::spectral::source::potential::Potential;
@@ -21,7 +22,7 @@ pub(in crate::spectral) struct JumpGroup {
     pub psi: Psi,
     /// Box round a small closed shape.
     pub extent: Option<Extent>,
-    /// Distance by which borders of a small shape may be off, seen from its middle, but for units of its width.
+    /// Distance by which borders may be off, of a small shape seen from its middle, but for units of its width.
     pub off: f64,
 }
 
@@ -89,7 +90,7 @@ pub(in crate::spectral) fn groups(
         edges: edges.iter().map(|own| with_sides(own, (&edges, origin), &shapes, all)).collect(),
         psi,
         extent: None,
-        off: 0.0,
+        off: UNITS,
     }];
     for SmallShape { middle, edges, extent, off, .. } in &shapes {
         let sides = edges.iter().map(|own| with_sides(own, (edges, *middle), &shapes, all));
@@ -112,7 +113,7 @@ fn with_sides(
     shapes: &[SmallShape],
     all: Quadratic,
 ) -> GroupEdge {
-    let around = beside(edge, edges.iter()).map(|z| SmallShape::around(z, middle, shapes));
+    let around = beside_edge(edge, edges.iter()).map(|z| SmallShape::around(z, middle, shapes));
     let sides = match around {
         [None, None] => vec![PieceSide::of_jump(all.seen_from(middle), edge.values)],
         _ => (0..2)
@@ -197,7 +198,7 @@ fn seen_from(origin: Complex, arc: Arc, vertices: &[Complex]) -> Arc {
 }
 
 /// Points on the left and on the right of the middle of a jump, nearer to it than the curves of all others.
-pub(in crate::spectral) fn beside<'a>(
+pub(in crate::spectral) fn beside_edge<'a>(
     edge: &JumpEdge,
     others: impl Iterator<Item = &'a JumpEdge>,
 ) -> [Complex; 2] {
@@ -205,8 +206,6 @@ pub(in crate::spectral) fn beside<'a>(
     let s = 0.5 * (from + to);
     let z = curve.at(s);
     let apart = others.map(|other| other.arc.curve.distance(z).abs());
-    let apart = apart.filter(|&apart| apart > ROUNDING).fold(f64::INFINITY, f64::min);
-    let step = (1e-6 * (to - from).abs().min(1.0)).min(0.5 * apart);
-    let normal = curve.direction(s).turned();
-    [step, -step].map(|step| z + normal.scaled(step))
+    let apart = apart.filter(|&apart| apart > ROUNDING);
+    beside([z, curve.direction(s).turned()], 1e-6 * (to - from).abs().min(1.0), apart)
 }

@@ -1,12 +1,16 @@
 //! f with psi, its jumps, and the points at which psi is singular.
 
+use super::changes::Changes;
 use super::groups::{JumpGroup, groups};
 use super::psi::Psi;
 use crate::problem::complex::Complex;
+use crate::problem::shape::Shape;
+use crate::problem::source::Source;
 use crate::spectral::geometry::boundary::PlaneCrossing;
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
 use crate::spectral::source::PlaneSource;
 use crate::spectral::source::curves::{JumpEdge, Jumps};
+use std::f64::consts::{PI, TAU};
 
 /// f with psi, its jumps inside of the domain, and where these meet the boundary.
 pub(in crate::spectral) struct PlaneJumps {
@@ -15,11 +19,17 @@ pub(in crate::spectral) struct PlaneJumps {
     pub groups: Vec<JumpGroup>,
     /// Points of the boundary at which jumps end, one for each of their ends.
     pub crossings: Vec<PlaneCrossing>,
+    /// Bounds of the difference of f from that of the statement.
+    pub changes: Changes,
+    /// Bound of |v| inside of the domain less that on its boundary.
+    pub inner: f64,
     /// Points at which psi, continued beyond the boundary, may be singular: vertices, and centres of circles.
     pub singular: Vec<Complex>,
 }
 
 impl PlaneJumps {
+    /// # Errors
+    /// [`PlaneError`] if f has parts that are too small, or jumps that do not fit.
     pub(in crate::spectral) fn new(
         domain: &PlaneDomain,
         source: &PlaneSource,
@@ -29,34 +39,49 @@ impl PlaneJumps {
                 psi: Psi::Polynomial(f.clone()),
                 groups: Vec::new(),
                 crossings: Vec::new(),
+                changes: Changes::of_disc(f.error, f.radius),
+                // v less psi has its bounds on the boundary.
+                inner: 2.0 * f.moduli(f.radius)[1],
                 singular: Vec::new(),
             }),
             PlaneSource::Pieces(f) => {
                 let jumps = Jumps::of_pieces(domain, f)?;
-                Self::of_jumps(domain, jumps, |z| f.at(z.coordinates()))
+                Self::of_jumps(domain, std::slice::from_ref(f), jumps, |z| f.at(z.coordinates()))
             }
             PlaneSource::Regions(regions) => {
                 let borders = regions.borders.iter().filter(|border| border.is_inside());
                 let arcs = borders.map(|border| border.side.arc);
                 let jumps = Jumps::new(domain, &regions.pieces, arcs, |z| regions.at(z))?;
-                Self::of_jumps(domain, jumps, |z| regions.at(z))
+                Self::of_jumps(domain, &regions.pieces, jumps, |z| regions.at(z))
             }
         }
     }
 
     fn of_jumps(
         domain: &PlaneDomain,
-        Jumps { edges, psi: potential, lost, .. }: Jumps,
+        all_pieces: &[Source],
+        Jumps { edges, psi: potential, changes, .. }: Jumps,
         f: impl Fn(Complex) -> f64,
     ) -> Result<Self, PlaneError> {
-        if let Some(text) = lost {
-            return Err(PlaneError::Source(text));
-        }
+        // All parts of the domain between jumps are beside one.
+        let values: Vec<f64> = edges.iter().flat_map(|edge| edge.values).map(f64::abs).collect();
         let centres = potential.jumps.iter().filter_map(|jump| jump.arc.curve.centre());
         let singular = potential.vertices.iter().copied().chain(centres).collect();
         let crossings = edges.iter().flat_map(|edge| crossings(domain, edge)).collect();
         let groups = groups(domain, potential, edges, f);
-        Ok(Self { psi: groups[0].psi.clone(), groups, crossings, singular })
+        let background = groups[0].psi.parts()[0].potential.background.abs();
+        let alone = if values.is_empty() { background } else { 0.0 };
+        let largest = values.into_iter().fold(alone, f64::max);
+        let size = SourceSize::of(all_pieces, largest, domain.diameter(), changes.mass);
+        if changes.mass > LOST * (size.integral - changes.mass) {
+            return Err(PlaneError::Source(
+                "f has a part that is too narrow, or too near to the boundary, for this solver, which tells 1e-12 \
+                 of the size of the domain apart; make it wider and its value smaller, with the same integral"
+                    .into(),
+            ));
+        }
+        let inner = size.inner();
+        Ok(Self { psi: groups[0].psi.clone(), groups, crossings, changes, inner, singular })
     }
 
     /// Distances of a point from the curves of all jumps.
@@ -65,6 +90,51 @@ impl PlaneJumps {
             let curves = group.edges.iter().map(|own| own.edge.arc.curve);
             curves.map(move |curve| curve.distance(z - group.middle).abs())
         })
+    }
+}
+
+/// Share of the integral of |f| that may be lost: the bounds of the energy are apart by no less.
+const LOST: f64 = 1e-7;
+
+/// Bounds of |f|, as psi has it, on a domain.
+struct SourceSize {
+    largest: f64,
+    /// That of its integral.
+    integral: f64,
+    /// Length of the diagonal of the box round the domain.
+    diameter: f64,
+}
+
+impl SourceSize {
+    /// By the largest |f|, and a bound of the integral of its changes.
+    fn of(all_pieces: &[Source], largest: f64, diameter: f64, changed: f64) -> Self {
+        let around = PI * diameter * diameter;
+        let mut integral = changed;
+        for f in all_pieces {
+            let Source::Pieces { background, pieces } = f else { continue };
+            integral += background.abs().min(largest) * around;
+            for (shape, value) in pieces {
+                let area = match *shape {
+                    Shape::Ball { radius, .. } => PI * radius * radius,
+                    Shape::Box(sides) => {
+                        sides.map(|[low, high]| (high - low).min(diameter)).iter().product()
+                    }
+                    Shape::HalfSpace { .. } => around,
+                };
+                integral += value.abs().min(largest) * area.clamp(0.0, around);
+            }
+        }
+        Self { largest, integral, diameter }
+    }
+
+    /// Bound of the integral of `|f| 1 / 2 pi log(2 diameter / |x - y|)`, which is positive with |f| for its Laplacian:
+    /// largest in the middle of a disc.
+    fn inner(&self) -> f64 {
+        if self.largest == 0.0 {
+            return 0.0;
+        }
+        let radius = (self.integral / (PI * self.largest)).sqrt();
+        self.integral / TAU * (0.5 + libm::log((2.0 * self.diameter / radius).max(1.0)))
     }
 }
 

@@ -24,6 +24,8 @@ pub(in crate::spectral) struct Potential {
     pub jumps: Vec<Jump>,
     /// Difference of f and the sum of all jumps, a constant.
     pub background: f64,
+    /// Sum of the moduli of the jumps whose part in it is rounded.
+    pub rounded: f64,
     /// Constant that is subtracted from the gradient.
     pub constant: Complex,
 }
@@ -58,8 +60,12 @@ impl Potential {
         // The difference is the same at all points but for rounding, and those that are too near to a jump.
         let mut rest: Vec<f64> = points.iter().map(|&z| f(z)).collect();
         self.add_jumps(points, -1.0, &mut rest);
-        rest.sort_by(f64::total_cmp);
-        self.background = rest[points.len() / 2];
+        let mut order: Vec<usize> = (0..points.len()).collect();
+        order.sort_by(|&i, &j| rest[i].total_cmp(&rest[j]));
+        let middle = order[points.len() / 2];
+        self.background = rest[middle];
+        let rounded = self.jumps.iter().filter(|jump| !jump.is_circle_beside(points[middle]));
+        self.rounded = rounded.map(|jump| jump.size.abs()).sum();
     }
 
     /// Adds f at points, but for the background, times a sign.
@@ -109,6 +115,12 @@ impl Potential {
 }
 
 impl Jump {
+    /// True if it is all of a circle that does not hold the point, and no part of f there.
+    fn is_circle_beside(&self, z: Complex) -> bool {
+        let Arc { curve, ends, .. } = self.arc;
+        curve.curvature > 0.0 && ends == [None; 2] && curve.distance(z) > 0.0
+    }
+
     /// Angle by which the tangent turns.
     fn sweep(&self) -> f64 {
         self.arc.curve.curvature * (self.arc.span[1] - self.arc.span[0])

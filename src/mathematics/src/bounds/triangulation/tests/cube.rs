@@ -1,7 +1,7 @@
 //! Brackets on the mesh of the cube: of known solutions, and of one f on all meshes.
 
+use super::bounds_on_mesh;
 use crate::bounds::Bounds;
-use crate::bounds::triangulation::bounds_on_mesh;
 use crate::discrete::kkt::judge;
 use crate::mesh::{MeshLoad, mesh_load, refined, uniform_cube};
 use crate::multigrid::MultigridParams;

@@ -5,8 +5,9 @@
 //! u'^2`. Vectors are spoilt on the sides and inside, in both directions and by all sizes, so that each term of the
 //! bounds is the largest of some of them.
 
+use super::bounds_on_mesh;
 use super::{Facet, MeshData, straight};
-use crate::bounds::triangulation::{BoundedProblem, bounds_on_mesh};
+use crate::bounds::triangulation::BoundedProblem;
 use crate::discrete::network::Network;
 use crate::mesh::{Condition, MeshLoad, PlaneMesh, Sides, assemble, mesh_load};
 use crate::problem::law::Law;

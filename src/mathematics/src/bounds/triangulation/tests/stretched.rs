@@ -1,8 +1,9 @@
 //! Bounds on stretched cells, and of images of a problem.
 
+use super::bounds_on_mesh;
 use super::noise;
+use crate::bounds::Bounds;
 use crate::bounds::root;
-use crate::bounds::triangulation::{Bounds, bounds_on_mesh};
 use crate::discrete::nested::NestedNetwork;
 use crate::mesh::{Condition, Facet, MeshData, Part, PlaneMesh, lattice_mesh, mesh_load, refined};
 use crate::multigrid::MultigridParams;

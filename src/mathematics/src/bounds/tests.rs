@@ -1,0 +1,63 @@
+//! Bounds on the square against known energies and errors, and steps of their proof against integrals.
+
+mod cell;
+mod known;
+mod rounding;
+mod sums;
+mod sweep;
+
+use super::*;
+use crate::discrete::load::{Diagonal, LoadRule};
+
+/// Rule of loads of the piecewise linear vector.
+const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
+
+/// Number between -`size` and `size` that looks random.
+fn noise(k: usize, size: f64) -> f64 {
+    size * libm::sin((k + 1) as f64 * 78.233)
+}
+
+/// Vector of such numbers.
+fn vector(grid: Grid, k: usize, size: f64) -> Vec<f64> {
+    (0..grid.nodes()).map(|node| noise(10_000 * k + node, size)).collect()
+}
+
+/// A grid whose cells are all at the boundary of a sweep's blocks, and one with cells inside them.
+fn grids() -> [Grid; 2] {
+    [7, 40].map(|n| Grid::new(n).unwrap())
+}
+
+/// Functions f with jumps inside cells and between them, and a smooth one.
+fn sources() -> [Source; 5] {
+    [
+        "else=-0.7",
+        "rect(-0.21,0.33,-0.07,0.42)=3; else=-1.6",
+        "halfplane(1,0.6,-0.13)=-2; disc(0.31,-0.2,0.12)=5; else=0.9",
+        "quadrant(ll)=3; rect(0.5,1,-1,0)=1; else=-1.25",
+        "formula(4*x*y*y-x-0.3)",
+    ]
+    .map(|f| f.parse().unwrap())
+}
+
+fn laws() -> [Law; 6] {
+    let [narrow, wide] = [-0.4, -3.0].map(|lo| Law::new(lo, 1.5).unwrap());
+    let half_line = Law::new(-0.5, f64::INFINITY).unwrap();
+    let limited = Law::limited(2.0).unwrap();
+    [Law::SIGNORINI, Law::SIGNORINI.reflected(), narrow, wide, half_line, limited]
+}
+
+fn bounds(energy: [f64; 2], most: f64) -> Bounds {
+    Bounds { energy, error: [0.0, most], recovered: None, curve: None }
+}
+
+#[test]
+fn without_error_an_answer_is_exact_whatever_its_size() {
+    let zero = bounds([0.0; 2], 0.0);
+    assert_eq!([zero.relative(), zero.relative_energy()], [0.0; 2]);
+    let poor = bounds([-1.0, 0.0], 1.0);
+    assert_eq!([poor.relative(), poor.relative_energy()], [f64::INFINITY; 2]);
+    let good = bounds([-0.5, -0.45], 0.03);
+    assert!((good.relative() - 0.0316).abs() < 1e-4, "{}", good.relative());
+    assert!((good.relative_energy() - 0.111).abs() < 1e-3, "{}", good.relative_energy());
+    assert_eq!([-0.6, -0.47, -0.3].map(|of_v| good.nearest_energy(of_v)), [-0.5, -0.47, -0.45]);
+}
