@@ -49,9 +49,8 @@ fn time(workspace: &mut Multigrid, load: &[f64], goal: Goal, repeats: usize) -> 
     let mut y = vec![0.0; load.len()];
     median(repeats, || {
         let start = Instant::now();
-        let outcome = workspace
-            .solve(Law::SIGNORINI.with_load(load), None, &params)
-            .expect("a solvable problem");
+        let outcome =
+            workspace.solve(Law::SIGNORINI.with_load(load), &params).expect("a solvable problem");
         workspace.write_solution(&mut y);
         (1e9 * start.elapsed().as_secs_f64() / load.len() as f64, outcome)
     })
@@ -78,7 +77,7 @@ fn one_problem(n: usize, f: &str, tolerance: f64, repeats: usize) {
         let start = Instant::now();
         let load = load(grid, &f, LoadRule::default());
         let params = MultigridParams { goal, ..MultigridParams::default() };
-        multigrid::solve_square(n, Law::SIGNORINI.with_load(&load), None, &params)
+        multigrid::solve_square(n, Law::SIGNORINI.with_load(&load), &params)
             .expect("a solvable problem");
         (1e9 * start.elapsed().as_secs_f64() / load.len() as f64, ())
     });
@@ -110,8 +109,9 @@ fn all_problems(sizes: &[usize], repeats: usize) {
         let mut workspace = Multigrid::square(n).expect("a power of two times 1, 3, 5 or 7");
         let exact = Exact::ALL
             .map(|exact| (exact.name(), load(grid, &Source::from(exact), LoadRule::default())));
-        let paper = problems::paper_loads(n, &paper).expect("a valid f");
-        let others = paper.into_iter().chain(problems::stress_loads(n));
+        let bilinear = |f: &str| load(grid, &f.parse().expect("a valid f"), LoadRule::Bilinear {});
+        let paper = paper.iter().map(|(name, f)| (&name[..], bilinear(f)));
+        let others = paper.chain(problems::stress_loads(n));
         let plain = plain_ns(n, &exact[0].1, repeats);
         println!("{n:6} plain red-black sweep: {plain:.3} ns per unknown, one thread");
         for (name, load) in exact.into_iter().chain(others) {

@@ -12,7 +12,6 @@ mod init;
 mod interrupt;
 mod list;
 mod man;
-mod order;
 mod output;
 mod pipeline;
 mod report;
@@ -56,7 +55,6 @@ const HELP_WIDTH: usize = 90;
         signorini diff                    our tables against the published ones\n  \
         signorini run problem1 -n         what a run of one scene would do\n  \
         signorini solve --f 'rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5' --h 1/128\n\n\
-        Options may stand before the command as well: `signorini -v run` is `signorini run -v`.\n\
         Exit codes: 0 done, 1 stale or outside tolerance, 2 wrong input, 3 a task failed or an answer is not what \
         `solve` was asked for, 130 interrupted."
 )]
@@ -192,17 +190,18 @@ fn name_parser(text: &str) -> std::result::Result<String, Infallible> {
 /// Parses the arguments, runs the command, reports an error in one line, and returns the exit code.
 pub fn main() -> ExitCode {
     let mut command = Cli::command();
-    let args = order::options_last(&command, std::env::args_os().collect());
-    let matches = command.try_get_matches_from_mut(&args);
+    let matches = command.try_get_matches_from_mut(std::env::args_os());
     let parsed = matches.and_then(|matches| Cli::from_arg_matches(&matches));
     let cli = match parsed {
         Ok(cli) => cli,
         Err(mut e) => {
             if e.kind() == ErrorKind::UnknownArgument
-                && let Some(word) = order::first_word(&command, &args)
-                && command.find_subcommand(word).is_none()
+                && let Some(word) =
+                    std::env::args_os().nth(1).and_then(|word| word.into_string().ok())
+                && !word.starts_with('-')
+                && command.find_subcommand(&word).is_none()
             {
-                if let Some(name) = similar(word) {
+                if let Some(name) = similar(&word) {
                     let text = format!("no command `{word}`; did you mean `signorini {name}`?");
                     return ended(Err(Error::Unknown(text)));
                 }
@@ -299,6 +298,9 @@ fn start_threads(cli: &Cli) -> Result<()> {
 fn dispatch(cli: Cli) -> Result<u8> {
     let Some(command) = cli.command else {
         return run::run(&cli.run).map_err(|error| match (error, &cli.run.scenes[..]) {
+            (Error::Unknown(_), [word, ..]) if Cli::command().find_subcommand(word).is_some() => {
+                Error::Unknown(format!("options stand behind the command: `signorini {word} ...`"))
+            }
             (Error::Unknown(text), [word, ..]) => Error::Unknown(text + &advice(word)),
             (error, _) => error,
         });

@@ -65,7 +65,6 @@ fn load() -> impl Strategy<Value = LoadRule> {
     let tie = (0..4usize).prop_map(|k| Tie::ALL[k]);
     prop_oneof![
         Just(LoadRule::Bilinear {}),
-        Just(LoadRule::LumpedAverage {}),
         diagonal().prop_map(|diagonal| LoadRule::Exact { diagonal }),
         (tie, proptest::option::of(diagonal()))
             .prop_map(|(tie, diagonal)| LoadRule::Nodal { tie, diagonal })

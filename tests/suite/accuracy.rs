@@ -1,12 +1,14 @@
-//! The accuracy experiment, the record of times, and the command that makes it.
+//! Errors against known solutions, the experiment on work, the record of times, and the command that makes it.
 
 use crate::common::{Project, TABLE, found};
-use crate::solvers::{ALGEBRAIC, HARD_WORK_UNITS, TEXTBOOK, WORK_UNITS, on_threads};
+use crate::solvers::on_threads;
 use serde_json::json;
 use signorini::timing::recorded::{GOALS, PATH, PUBLISHED, Timings, number, text};
 use signorini_mathematics::experiments::Findings;
 use signorini_mathematics::experiments::timed::TimedPlan;
+use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::solvers::Solver;
+use signorini_mathematics::statement::{Domain, Fineness, Statement};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
@@ -14,64 +16,26 @@ use std::sync::OnceLock;
 fn findings() -> &'static Findings {
     static ONCE: OnceLock<Findings> = OnceLock::new();
     ONCE.get_or_init(|| {
-        let coarse = json!({
-            "cells": [16, 32, 64, 128],
-            "contact": [16, 32, 64, 128],
-            "others": [64],
-            "laws": [["exact(free-corner)", [16, 32, 64]]],
-            "compared": [8, 16, 32],
-        });
-        found("accuracy", &coarse).unwrap()
+        let coarse =
+            json!({ "laws": [["exact(free-corner)", [16, 32, 64]]], "compared": [8, 16, 32] });
+        found("work", &coarse).unwrap()
     })
 }
 
 #[test]
 fn slopes_are_those_of_linear_elements() {
-    let errors = &findings()["errors"];
-    assert_eq!(errors.texts("problem").unwrap().len(), 6);
-    for row in errors.iter().filter(|row| row["cells"] != 16) {
-        assert!((number(row, "order_h1") - 1.0).abs() < 0.05, "{row:?}");
-        // Where f jumps: h^2 |log h|.
-        if row["l2"].is_null() {
-            assert!(number(row, "order_max") > 1.5, "{row:?}");
-            continue;
-        }
-        assert!((number(row, "order_l2") - 2.0).abs() < 0.05, "{row:?}");
-        assert!(number(row, "order_multiplier") > 0.9, "{row:?}");
-    }
-}
-
-#[test]
-fn multigrid_takes_few_work_units() {
-    let work = &findings()["work"];
-    let goals = work.texts("goal").unwrap();
-    assert_eq!(goals, ["discretisation error", "residual", "rounding floor"]);
-    let (mut known, mut others) = (0, 0);
-    for row in work.iter() {
-        let k = goals.iter().position(|goal| row["goal"] == *goal).unwrap();
-        let units = number(row, "work_units");
-        // Coarser grids take more.
-        match (row["known"].as_bool().unwrap(), number(row, "cells") >= 64.0) {
-            (true, true) => {
-                assert!(units < WORK_UNITS[k] && (k > 0 || units < TEXTBOOK), "{row:?}");
-                known += 1;
-            }
-            (true, false) => (),
-            (false, _) => {
-                assert!(units < HARD_WORK_UNITS[k], "{row:?}");
-                others += 1;
-            }
-        }
-        if row["known"] == true {
-            assert!(k != 2 || row["stop"] == "rounding-floor", "{row:?}");
-            assert!(k != 1 || number(row, "residual") <= 1e-10, "{row:?}");
-        }
-    }
-    assert_eq!((known, others), (3 * 6 * 2, 3 * 14));
-    for column in ["algebraic_l2", "algebraic_h1"] {
-        let errors = findings()["errors"].iter().filter(|row| number(row, "cells") >= 64.0);
-        for ratio in errors.filter_map(|row| row[column].as_f64()) {
-            assert!(ratio <= ALGEBRAIC, "{ratio}");
+    for exact in Exact::ALL {
+        let [coarse, fine] = [64, 128].map(|cells| {
+            let f = format!("exact({})", exact.name());
+            let usual = Statement::usual(Domain::square(), f);
+            let solved = Statement { fineness: Fineness::Width(cells), ..usual }.solved(None);
+            solved.unwrap().errors().unwrap()
+        });
+        for (coarse, fine, slope) in
+            [(coarse.l2, fine.l2, 2.0), (coarse.h1, fine.h1, 1.0), (coarse.max, fine.max, 2.0)]
+        {
+            let found = (coarse / fine).log2();
+            assert!((found - slope).abs() < 0.05, "{exact:?}: {found} for {slope}");
         }
     }
 }
@@ -95,15 +59,8 @@ fn sweeps_grow_like_the_inverse_square_of_the_width() {
 
 #[test]
 fn the_experiment_depends_on_no_thread_count() {
-    let plan = json!({
-        "cells": [8, 16],
-        // Fine enough for several threads.
-        "contact": [8, 256],
-        "others": [16],
-        "laws": [],
-        "compared": [4, 8],
-    });
-    let rows = || found("accuracy", &plan);
+    let plan = json!({ "laws": [["exact(free-corner)", [8, 16]]], "compared": [4, 8] });
+    let rows = || found("work", &plan);
     assert_eq!(on_threads(1, rows), on_threads(3, rows));
 }
 

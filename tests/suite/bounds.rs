@@ -27,7 +27,7 @@ fn solved(n: usize, f: &Source, rule: LoadRule, goal: Goal) -> (Grid, Vec<f64>) 
     let params = MultigridParams { goal, ..MultigridParams::default() };
     (
         grid,
-        multigrid::solve_square(n, Law::SIGNORINI.with_load(&load(grid, f, rule)), None, &params)
+        multigrid::solve_square(n, Law::SIGNORINI.with_load(&load(grid, f, rule)), &params)
             .unwrap()
             .0,
     )
@@ -74,7 +74,7 @@ fn least_margin(f: &Source, cells: usize) -> f64 {
         assert!(inside >= -slack, "{f}, 1/{cells}, {what:?}: {inside:e}, slack {slack:e}");
         least = least.min(inside / (high - low));
     };
-    for rule in [EXACT, LoadRule::Bilinear {}, LoadRule::LumpedAverage {}, LoadRule::default()] {
+    for rule in [EXACT, LoadRule::Bilinear {}, LoadRule::default()] {
         let load = load(grid, f, rule);
         if load.iter().sum::<f64>() >= 0.0 {
             // The sum of an exact load is the integral of f, which is negative.
@@ -89,8 +89,7 @@ fn least_margin(f: &Source, cells: usize) -> f64 {
         ] {
             let params = MultigridParams { goal, max_cycles, ..MultigridParams::default() };
             let (y, _) =
-                multigrid::solve_square(cells, Law::SIGNORINI.with_load(&load), None, &params)
-                    .unwrap();
+                multigrid::solve_square(cells, Law::SIGNORINI.with_load(&load), &params).unwrap();
             judge(&(rule, goal, max_cycles), &y);
         }
         for max_iterations in [1, 10, 100] {
@@ -169,7 +168,6 @@ fn errors_of_known_solutions_lie_between_the_bounds() {
             let y = multigrid::solve_square(
                 n,
                 Law::SIGNORINI.with_load(&load),
-                None,
                 &MultigridParams::default(),
             )
             .unwrap()

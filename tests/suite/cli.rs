@@ -425,16 +425,17 @@ fn solve_refuses_in_one_line() {
 }
 
 #[test]
-fn options_may_stand_before_the_command_and_explain_counts_what_is_up_to_date() {
+fn options_stand_behind_the_command_and_explain_counts_what_is_up_to_date() {
     let project = Project::with(TABLE);
-    assert!(project.run(&["-q", "-j", "1", "run", "a"]).lines().len() > 1);
-    project.run(&["-q", "run", "a"]).nothing_to_do();
-    let [elsewhere, cache] = ["elsewhere", ".signorini"].map(|name| project.path(name));
-    let [elsewhere, cache] = [&elsewhere, &cache].map(|path| path.to_str().unwrap().to_owned());
-    let status =
-        |cache: &str| project.run(&["--cache-dir", cache, "status", "a"]).lines().join(" ");
-    assert!(status(&elsewhere).contains("first run"));
-    assert!(!status(&cache).contains("first run"));
+    let said = project.run(&["-q", "-j", "1", "run", "a"]);
+    let why = "error: options stand behind the command: `signorini run ...`";
+    assert_eq!(said.refusal(), why);
+    assert!(project.run(&["run", "-q", "-j", "1", "a"]).lines().len() > 1);
+    project.run(&["run", "-q", "a"]).nothing_to_do();
+    let elsewhere = project.path("elsewhere");
+    let status = |more: &[&str]| project.run(&[&["status", "a"], more].concat()).lines().join(" ");
+    assert!(status(&["--cache-dir", elsewhere.to_str().unwrap()]).contains("first run"));
+    assert!(!status(&[]).contains("first run"));
     let said = project.run(&["explain", "solve"]);
     let [line] = &said.lines()[..] else { panic!("{said:?}") };
     assert!(line.ends_with(" tasks of solve: up to date"), "{line}");

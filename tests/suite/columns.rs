@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// Columns of other rows: of versions, of what the stage `identify` finds, of what its record keeps, of the times of
 /// both fast solvers, and of studies.
-const OTHERS: [&str; 14] = [
+const OTHERS: [&str; 16] = [
     "name",
     "found.exact",
     "found.delta_a_exact",
@@ -26,6 +26,8 @@ const OTHERS: [&str; 14] = [
     "error_l2",
     "error_h1",
     "error_max",
+    "error_relative",
+    "iterations",
 ];
 
 /// Fields of the plan of an experiment with which it takes next to no time.
@@ -39,14 +41,8 @@ fn coarse(experiment: &str) -> Value {
     };
     let targets = json!([{ "kkt": 1e-3, "cells": 16 }, { "kkt": 1e-6, "cells": 16 }]);
     match experiment {
-        "accuracy" => json!({
-            "cells": [8, 16], "contact": [8, 16], "others": [8], "compared": [4, 8],
-            "laws": [["exact(free-corner)", [4, 8]]],
-        }),
-        "adapted" => json!({ "refinements": 2, "finest": 400, "fitted": 10, "most_nodes": 200 }),
+        "work" => json!({ "compared": [4, 8], "laws": [["exact(free-corner)", [4, 8]]] }),
         "claims" => json!({ "per_decade": 1, "problems": problems(), "targets": targets }),
-        "friction" => json!({ "problems": problems(), "targets": targets }),
-        "domains" => json!({ "levels": 2, "disc": 2 }),
         "radius" => json!({ "cells": [8], "r": [10.0, 1.0] }),
         "stress" => json!({
             "coarse": 8, "fine": 16, "cap": 200, "random": 10, "problems": problems(),

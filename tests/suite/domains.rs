@@ -64,7 +64,7 @@ impl Domain for SquareGrid {
     }
 
     fn solve(&self, problem: LawAndLoad<'_>, params: &MultigridParams) -> Solved {
-        solve_square(self.0, problem, None, params)
+        solve_square(self.0, problem, params)
     }
 
     fn direct(&self, load: &[f64]) -> Result<Vec<f64>, InputError> {
@@ -297,7 +297,7 @@ fn refuses_impossible_loads(domain: &impl Domain) {
     for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let mut bad = good.clone();
         bad[40] = value;
-        let not_finite = Err(InputError::NotFinite("load"));
+        let not_finite = Err(InputError::NotFinite);
         assert_eq!(refusals(&bad), [not_finite.clone(), not_finite]);
     }
     for value in [1.0, 0.0] {

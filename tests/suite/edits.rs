@@ -68,7 +68,7 @@ pub(crate) const KEYS: [(&[Kind], &str, &[&str]); 28] = [
     (
         &[Method, Plain],
         "load",
-        &["{ rule = \"exact\" }", "{ rule = \"lumped-average\" }", "{ rule = \"nodal\" }"],
+        &["{ rule = \"exact\" }", "{ rule = \"bilinear\" }", "{ rule = \"nodal\" }"],
     ),
     (
         &[Mesh],

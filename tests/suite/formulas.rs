@@ -7,11 +7,10 @@ use signorini_mathematics::mesh::{mesh_load, uniform_cube};
 
 use signorini_mathematics::problem::source::{Source, Tie};
 
-const RULES: [LoadRule; 5] = [
+const RULES: [LoadRule; 4] = [
     LoadRule::Exact { diagonal: Diagonal::Rising },
     LoadRule::Exact { diagonal: Diagonal::Falling },
     LoadRule::Bilinear {},
-    LoadRule::LumpedAverage {},
     LoadRule::Nodal { tie: Tie::LowerLeft, diagonal: Some(Diagonal::Rising) },
 ];
 

@@ -1,10 +1,10 @@
 //! Guaranteed bounds under laws besides the paper's: known energies, disturbed vectors, symmetries, and meshes.
 
 use crate::common::Dice;
+use crate::laws::{FRICTION, FrictionProblem};
 use signorini_mathematics::bounds::{Bounds, NoBound, bounds};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{LoadRule, load};
-use signorini_mathematics::experiments::problems::{FRICTION, FrictionProblem};
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{AnyMesh, gmsh, uniform_cube};
 use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_square};
@@ -20,7 +20,7 @@ fn solved(n: usize, f: &Source, law: Law, goal: Goal) -> (Grid, Vec<f64>) {
     let grid = Grid::new(n).unwrap();
     let params = MultigridParams { goal, ..MultigridParams::default() };
     let load = load(grid, f, LoadRule::Bilinear {});
-    (grid, solve_square(n, law.with_load(&load), None, &params).unwrap().0)
+    (grid, solve_square(n, law.with_load(&load), &params).unwrap().0)
 }
 
 /// Bounds of the solution of a problem on a grid.
@@ -165,10 +165,10 @@ fn what_the_law_cannot_balance_has_no_bound() {
 
 /// Mesh of a polygon.
 fn polygon(number: usize) -> AnyMesh {
-    let notch = include_bytes!("../meshes/notch.msh");
+    let square = include_bytes!("../meshes/square.msh");
     let mut mesh = match ["disc", "lshape", "annulus"].get(number) {
         Some(name) => AnyMesh::built_in(name).unwrap(),
-        None => gmsh::read(notch).unwrap(),
+        None => gmsh::read(square).unwrap(),
     };
     let AnyMesh::Plane(plane) = &mut mesh else { panic!("in space") };
     plane.parts_mut().iter_mut().for_each(|part| part.curve = None);

@@ -278,25 +278,13 @@ fn a_load_is_the_same_on_any_number_of_threads() {
     let cubic: Source<3> = "ball(0.03,0.01,0,0.31)=3; else=-1".parse().unwrap();
     let loads = || {
         let exact = LoadRule::Exact { diagonal: Diagonal::Rising };
-        let rules = [exact, LoadRule::LumpedAverage {}, LoadRule::default()];
+        let rules = [exact, LoadRule::Bilinear {}, LoadRule::default()];
         let grid = Grid::new(300).unwrap();
         let mut all: Vec<_> = rules.into_iter().flat_map(|rule| load(grid, &f, rule)).collect();
         all.extend(mesh_load(&uniform_cube(12), &cubic).unwrap().load);
         all.into_iter().map(f64::to_bits).collect::<Vec<_>>()
     };
     assert!(on_threads(1, loads) == on_threads(3, loads));
-}
-
-#[test]
-fn averages_are_the_means_over_the_cells_around_nodes() {
-    let f: Source = "rect(-0.42,-0.06,-0.13,0.37)=4.5; else=-1.1".parse().unwrap();
-    let grid = Grid::new(16).unwrap();
-    let ours = load(grid, &f, LoadRule::LumpedAverage {});
-    assert!((ours.iter().sum::<f64>() - integral(&f)).abs() < 1e-13);
-    // The cell around (-7/16, 0) reaches from -15/32 to -13/32 and from -1/32 to 1/32.
-    let inside = (-0.40625 + 0.42) * 0.0625;
-    let want = 4.5 * inside - 1.1 * (0.0625 * 0.0625 - inside);
-    assert!((ours[grid.index(1, 8)] - want).abs() < 1e-15);
 }
 
 #[test]

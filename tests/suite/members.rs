@@ -34,7 +34,7 @@ const ON_THE_SQUARE: [&[(&str, &[&str])]; 5] = [
         ("accuracy", &["0.5", "3e-1", "0.4"]),
     ],
     LAWS,
-    &[("load", &["exact", "nodal", "bilinear", "lumped-average"])],
+    &[("load", &["exact", "nodal", "bilinear"])],
     &[("solver", &["multigrid", "active-set"]), ("tolerance", &["1e-6", "0.001"])],
     &[("r", &["10", "5.0", "1e2"]), ("max_iterations", &["100000", "20000"])],
 ];

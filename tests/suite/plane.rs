@@ -27,7 +27,24 @@ fn digits_of_another_program_are_reached() {
         ..Domain::named(name)
     };
     let ring = "disc(.2,.8,.15)=30; else=-2";
-    let cases: [(_, _, _, f64, &[[f64; 2]]); 8] = [
+    let cases: [(_, _, _, f64, &[[f64; 2]]); 11] = [
+        // f = c1 r^k cos(k t) - c0 on the disc has closed forms: with A = c0 / 2 and B = c1 / (4 (k + 1)), contact ends
+        // where cos(k t) = A / B - 1.
+        (Domain::named("disc"), "formula(4*x-1)", None, -0.609846369525688, &[[0.0, 1.0]]),
+        (
+            Domain::named("disc"),
+            "formula(8*x-1)",
+            None,
+            -3.510437382293933,
+            &[[-0.5, 0.866025404], [-0.5, -0.866025404]],
+        ),
+        (
+            Domain::named("disc"),
+            "formula(12*(x^3-3*x*y^2)-1)",
+            None,
+            -0.837394738980147,
+            &[[0.803956443, 0.594688187]],
+        ),
         (Domain::named("lshape"), "else=-1", None, -0.1070379013, &[]),
         (
             Domain::named("lshape"),

@@ -17,18 +17,6 @@ pub(crate) const ALGEBRAIC: f64 = 0.1;
 /// Bytes of a workspace per unknown.
 pub(crate) const BYTES: f64 = 24.0;
 
-/// Zero, far too high, far too low, noise, and the solution itself.
-pub(crate) fn absurd_starts(solution: &[f64]) -> [Vec<f64>; 5] {
-    let noise = |k: usize| (k as f64 * 12.9898).sin() * 43758.5453 % 1.0;
-    [
-        vec![0.0; solution.len()],
-        vec![1e9; solution.len()],
-        vec![-1e9; solution.len()],
-        (0..solution.len()).map(|k| 1e3 * noise(k)).collect(),
-        solution.to_vec(),
-    ]
-}
-
 /// What comes out on so many threads.
 pub(crate) fn on_threads<T: Send>(threads: usize, compute: impl FnOnce() -> T + Send) -> T {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();

@@ -81,9 +81,8 @@ fn command(dice: &mut Dice, domain: &[&str], law: &[&str], solver: &str) -> Vec<
             "nodal,upper-left,falling",
             "exact,falling",
             "nodal,lower-right,none",
-            "lumped-average",
         ];
-        words.extend(owned(&["--load", loads[dice.below(6) as usize]]));
+        words.extend(owned(&["--load", loads[dice.below(5) as usize]]));
     }
     if is_nested {
         words.extend(["--r".to_owned(), dice.between(1.0, 20.0).to_string()]);

@@ -159,7 +159,7 @@ impl Judge<'_> {
 
     /// True if the exact load may have another sum than that of the statement.
     fn takes_exact(self) -> bool {
-        matches!(self.statement.load, Some(LoadRule::Nodal { .. } | LoadRule::LumpedAverage {}))
+        matches!(self.statement.load, Some(LoadRule::Nodal { .. }))
     }
 
     /// The field with the exact load.

@@ -60,16 +60,6 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
     vec![
         rules(project),
         picture(
-            ["accuracy", "accuracy"],
-            "Errors against the width of the grid, problems with known solutions",
-            |it, inputs| it.made(inputs, cost::accuracy(&table(inputs, "accuracy", "errors")?)?),
-        ),
-        picture(
-            ["adapted", "adapted"],
-            "Guaranteed error against the number of nodes, adaptive and uniform refinement",
-            |it, inputs| it.made(inputs, cost::adapted(&table(inputs, "adapted", "errors")?)?),
-        ),
-        picture(
             ["truth", "ends"],
             "Error of the ends of contact and of the energy against the width of the grid",
             |it, inputs| it.made(inputs, cost::ends(&table(inputs, "truth", "elements")?)?),

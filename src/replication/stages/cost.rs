@@ -33,29 +33,6 @@ fn extremes(numbers: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
     [numbers.clone().reduce(f64::min), numbers.reduce(f64::max)].map(Option::unwrap_or_default)
 }
 
-/// Errors of the problems with known solutions, one panel per norm.
-pub(super) fn accuracy(rows: &Rows) -> Result<Picture, String> {
-    let two = [Law { label: "order 2", power: -2.0, factor: 0.12 }];
-    let one = [Law { label: "order 1", power: -1.0, factor: 0.25 }];
-    let both = [
-        Law { label: "order 2", power: -2.0, factor: 0.3 },
-        Law { label: "order 1", power: -1.0, factor: 2.0 },
-    ];
-    let mut panels = Vec::new();
-    for (column, title, axis, laws) in [
-        ("l2", "v in L2", "error in L2", &two[..]),
-        ("h1", "v in H1", "error in H1", &one[..]),
-        ("max", "v at the nodes", "greatest error", &two[..]),
-        ("multiplier_l2", "multiplier in L2", "error in L2 of the boundary", &both[..]),
-    ] {
-        let mut curves = over_grids(rows, column)?;
-        let lines: Vec<_> = laws.iter().map(|law| law.beside(&curves)).collect();
-        curves.extend(lines);
-        panels.push(Chart::new(title, ["1/h", axis], curves));
-    }
-    Ok(charts(false, &panels))
-}
-
 /// Curves of a column over the cells per side, one for each problem.
 fn over_grids(rows: &Rows, column: &str) -> Result<Vec<Curve>, String> {
     let mut curves = Vec::new();
@@ -64,18 +41,6 @@ fn over_grids(rows: &Rows, column: &str) -> Result<Vec<Curve>, String> {
         curves.push(Curve::new(Marked, problem, points));
     }
     Ok(curves)
-}
-
-/// Guaranteed errors over the number of nodes, one panel per problem, a curve per way of refinement.
-pub(super) fn adapted(errors: &Rows) -> Result<Picture, String> {
-    let mut panels = Vec::new();
-    for problem in errors.texts("problem")? {
-        let rows = errors.wherever("problem", problem)?;
-        let mut curves = by_way(&rows, "nodes")?;
-        curves.push(Law { label: "order 1/2", power: -0.5, factor: 0.6 }.beside(&curves));
-        panels.push(Chart::new(problem, ["nodes", "guaranteed error"], curves));
-    }
-    Ok(charts(false, &panels))
 }
 
 /// Time per unknown of multigrid, for both goals.

@@ -39,11 +39,13 @@ fn sources() -> [Source; 5] {
     .map(|f| f.parse().unwrap())
 }
 
-fn laws() -> [Law; 6] {
+/// Laws of all kinds, one of them with ends that no reaction reaches.
+fn laws() -> [Law; 7] {
     let [narrow, wide] = [-0.4, -3.0].map(|lo| Law::new(lo, 1.5).unwrap());
     let half_line = Law::new(-0.5, f64::INFINITY).unwrap();
     let limited = Law::limited(2.0).unwrap();
-    [Law::SIGNORINI, Law::SIGNORINI.reflected(), narrow, wide, half_line, limited]
+    let far = Law::friction(1e3).unwrap();
+    [Law::SIGNORINI, Law::SIGNORINI.reflected(), narrow, wide, half_line, limited, far]
 }
 
 fn bounds(energy: [f64; 2], most: f64) -> Bounds {

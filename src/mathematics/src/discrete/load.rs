@@ -43,9 +43,6 @@ pub enum LoadRule {
     /// cut by either diagonal only approximate: exact for constant pieces, degree 5 quadrature for
     /// smooth f. The bounds of [`crate::bounds`] are sharpest for it.
     Bilinear {},
-    /// The integral of f over the cell of width h around the node, inside the square: exact for
-    /// constant pieces, degree 3 quadrature for smooth f.
-    LumpedAverage {},
 }
 
 /// The diagonal that cuts each square of the grid into two triangles.
@@ -67,11 +64,10 @@ impl Default for LoadRule {
 
 impl LoadRule {
     /// All rules, with the usual sides and diagonals.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 3] = [
         Self::Nodal { tie: Tie::LowerLeft, diagonal: Some(Diagonal::Rising) },
         Self::Exact { diagonal: Diagonal::Rising },
         Self::Bilinear {},
-        Self::LumpedAverage {},
     ];
 
     /// Name, without sides and diagonals.
@@ -80,7 +76,6 @@ impl LoadRule {
             Self::Nodal { .. } => "nodal",
             Self::Exact { .. } => "exact",
             Self::Bilinear {} => "bilinear",
-            Self::LumpedAverage {} => "lumped-average",
         }
     }
 
@@ -92,7 +87,6 @@ impl LoadRule {
             Self::Bilinear {} => {
                 "Integrals of f times bilinear hat functions: bounds are closer than with exact"
             }
-            Self::LumpedAverage {} => "Mean of f around each node",
         }
     }
 }
@@ -110,7 +104,7 @@ impl fmt::Display for LoadRule {
                 write!(out, ",{},{diagonal}", tie.name())
             }
             Self::Exact { diagonal } => write!(out, ",{}", diagonal.name()),
-            Self::Bilinear {} | Self::LumpedAverage {} => Ok(()),
+            Self::Bilinear {} => Ok(()),
         }
     }
 }
@@ -172,8 +166,8 @@ impl FromStr for LoadRule {
         };
         rule.ok_or_else(|| {
             format!(
-                "`{text}` is no load; write nodal, exact, bilinear or lumped-average, or with side and diagonal as \
-                 nodal,upper-left,falling and exact,falling"
+                "`{text}` is no load; write nodal, exact or bilinear, or with side and diagonal as nodal,\
+                 upper-left,falling and exact,falling"
             )
         })
     }
@@ -187,7 +181,6 @@ pub fn load(grid: Grid, f: &Source, rule: LoadRule) -> Vec<f64> {
         LoadRule::Nodal { tie, diagonal } => nodal(grid, f, tie, diagonal),
         LoadRule::Exact { diagonal } => exact(grid, f, Some(diagonal)),
         LoadRule::Bilinear {} => exact(grid, f, None),
-        LoadRule::LumpedAverage {} => averaged(grid, f),
     }
 }
 
@@ -196,11 +189,14 @@ pub fn integral(f: &Source) -> f64 {
     let grid = |cells| Grid::new(cells).expect("not below the least");
     match f {
         // Any grid will do, best one with few pieces in each cell.
-        Source::Pieces { pieces, .. } => {
+        Source::Pieces { background, pieces } => {
             let grid = grid(pieces.len().clamp(MIN_CELLS, 256).next_power_of_two());
-            let (mut means, mut row) = (Means::new(grid, f), vec![0.0; grid.cells()]);
+            let (mut cells, mut row) =
+                (Cells::new(grid, *background, pieces), vec![0.0; grid.cells()]);
             let rows = (0..grid.cells()).map(|j| {
-                means.row(j, &mut row);
+                let mut cut = Vec::new();
+                cells.row(j, &mut row, |i, cell| cut.push((i, cell.moments().f[0])));
+                cut.iter().for_each(|&(i, mean)| row[i] = mean);
                 // Each mean is scaled before the sum, which huge values would overflow.
                 row.iter().map(|mean| mean * (grid.h() * grid.h())).sum::<f64>()
             });
@@ -313,76 +309,6 @@ fn nodal(grid: Grid, f: &Source, tie: Tie, diagonal: Option<Diagonal>) -> Vec<f6
     })
 }
 
-/// Means of f over the cells of a grid, row by row.
-enum Means<'a> {
-    Pieces(Cells<'a>),
-    Smooth(&'a Source, Grid),
-}
-
-impl<'a> Means<'a> {
-    fn new(grid: Grid, f: &'a Source) -> Self {
-        match f {
-            Source::Pieces { background, pieces } => {
-                Self::Pieces(Cells::new(grid, *background, pieces))
-            }
-            Source::Exact(_) | Source::Formula(_) => Self::Smooth(f, grid),
-        }
-    }
-
-    fn row(&mut self, j: usize, row: &mut [f64]) {
-        match self {
-            Self::Pieces(cells) => {
-                let mut cut = Vec::new();
-                cells.row(j, row, |i, cell| cut.push((i, cell.moments().f[0])));
-                cut.iter().for_each(|&(i, mean)| row[i] = mean);
-            }
-            Self::Smooth(f, grid) => {
-                // Gauss' rule with two points along each axis.
-                let step = grid.h() / 12f64.sqrt();
-                let points = |k: usize| {
-                    let middle = 0.5 * (grid.coordinate(k) + grid.coordinate(k + 1));
-                    [middle - step, middle + step]
-                };
-                for (i, mean) in row.iter_mut().enumerate() {
-                    let at = |y: f64| points(i).map(|x| f.at([x, y])).iter().sum::<f64>();
-                    *mean = points(j).map(at).iter().sum::<f64>() / 4.0;
-                }
-            }
-        }
-    }
-}
-
-fn averaged(grid: Grid, f: &Source) -> Vec<f64> {
-    // The cell around a node consists of four, or at the border fewer, cells half as wide.
-    let (n, side) = (grid.cells(), grid.side());
-    let halved = Grid::new(2 * n).expect("finer than a grid");
-    by_rows(grid, |first, block| {
-        let mut means = Means::new(halved, f);
-        let mut below = vec![0.0; 2 * n];
-        let mut above = vec![0.0; 2 * n];
-        for (j, row) in (first..).zip(block.chunks_exact_mut(side)) {
-            let mut rows: [&[f64]; 2] = [&[], &[]];
-            if j > 0 {
-                means.row(2 * j - 1, &mut below);
-                rows[0] = &below;
-            }
-            if j < n {
-                means.row(2 * j, &mut above);
-                rows[1] = &above;
-            }
-            for (i, value) in row.iter_mut().enumerate() {
-                let around = (2 * i).saturating_sub(1)..(2 * i + 1).min(2 * n);
-                let near =
-                    rows.iter().filter(|row| !row.is_empty()).flat_map(|row| &row[around.clone()]);
-                let (sum, count) =
-                    near.fold((0.0, 0.0), |(sum, count), mean| (sum + mean, count + 1.0));
-                *value = sum / count;
-            }
-            weigh(grid, None, j, row);
-        }
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -398,7 +324,6 @@ mod tests {
         let tie = Tie::LowerLeft;
         let nodal = load(grid, &one, LoadRule::Nodal { tie, diagonal: None });
         assert_eq!((nodal[6], nodal[1], nodal[0]), (1.0 / 16.0, 0.5 / 16.0, 0.25 / 16.0));
-        assert_eq!(load(grid, &one, LoadRule::LumpedAverage {}), nodal);
         assert_eq!(load(grid, &one, LoadRule::Bilinear {}), nodal);
         // With a constant f, the nodal rule on triangles is the exact one.
         for diagonal in [Diagonal::Rising, Diagonal::Falling] {
@@ -557,11 +482,10 @@ mod tests {
     }
 
     #[test]
-    fn averages_on_a_jump_lie_between() {
+    fn a_tie_takes_the_value_on_its_side() {
         let f: Source = "halfplane(1,0,0)=4; else=0".parse().unwrap();
         let grid = Grid::new(4).unwrap();
         let h2 = grid.h() * grid.h();
-        assert_eq!(load(grid, &f, LoadRule::LumpedAverage {})[grid.index(2, 2)], 2.0 * h2);
         let tied = |tie| load(grid, &f, LoadRule::Nodal { tie, diagonal: None })[grid.index(2, 2)];
         assert_eq!(tied(Tie::LowerLeft), 4.0 * h2);
         assert_eq!(tied(Tie::UpperRight), 0.0);

@@ -2,18 +2,15 @@
 
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::load::{Diagonal, LoadRule, load};
-use crate::discrete::norms::{self, multiplier_error};
+use crate::discrete::norms;
 use crate::discrete::stiffness::energy;
 use crate::levels::Problem;
-use crate::machine::simd::Largest;
 use crate::problem::exact::Exact;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::saddle::Pair;
 use crate::solvers::true_solution;
 use crate::spectral::TrueSolution;
-use serde::Serialize;
-use std::sync::OnceLock;
 
 /// A problem whose solution is known.
 pub(super) enum KnownSolution {
@@ -31,22 +28,6 @@ pub(super) struct Spectral {
     pub(super) f: Source,
     /// Solution.
     pub(super) solution: TrueSolution,
-    /// v at the nodes of the grid with [`SAMPLED`] cells per side.
-    samples: OnceLock<Vec<f64>>,
-}
-
-/// Errors of a discrete solution.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub(super) struct SolutionErrors {
-    /// L2 norm of `v - v_h`; only where v has a formula.
-    pub(super) l2: Option<f64>,
-    /// L2 norm of `grad (v - v_h)`.
-    pub(super) h1: f64,
-    /// Largest error at a node. For solutions of the spectral solver: at a node that also belongs to the grid with
-    /// [`SAMPLED`] cells per side.
-    pub(super) max: f64,
-    /// L2 norm on the boundary of the error of the multiplier, by [`multiplier_error`].
-    pub(super) multiplier_l2: f64,
 }
 
 /// Cells per side of the grid at whose nodes solutions of the spectral solver are evaluated: a power of two.
@@ -61,8 +42,7 @@ impl KnownSolution {
         let f: Source = f.parse().map_err(|e| format!("{name}: {e}"))?;
         let solution =
             true_solution(&on_square(&f, SAMPLED)?).map_err(|e| format!("{name}: {e}"))?;
-        let (name, samples) = (name.into(), OnceLock::new());
-        Ok(Self::Spectral(Box::new(Spectral { name, f, solution, samples })))
+        Ok(Self::Spectral(Box::new(Spectral { name: name.into(), f, solution })))
     }
 
     /// Name, as in `exact(name)` if there is a formula.
@@ -108,30 +88,6 @@ impl KnownSolution {
             Self::Spectral(known) => known.h1_error(grid, y, load),
         }
     }
-
-    /// All errors of the nodal values `y`, with the multiplier that belongs to the load vector [`Self::load`].
-    ///
-    /// # Panics
-    /// If a slice is not of length `grid.nodes()`.
-    pub(super) fn errors(&self, grid: Grid, y: &[f64], load: &[f64]) -> SolutionErrors {
-        match self {
-            Self::Formula(exact) => {
-                let norms::Errors { l2, h1, max, .. } = norms::errors(grid, *exact, y);
-                let multiplier_l2 = multiplier_error(grid, y, load, |point, normal| {
-                    exact.multiplier(point, normal)
-                });
-                SolutionErrors { l2: Some(l2), h1, max, multiplier_l2 }
-            }
-            Self::Spectral(known) => SolutionErrors {
-                l2: None,
-                h1: known.h1_error(grid, y, load),
-                max: known.max_error(grid, y),
-                multiplier_l2: multiplier_error(grid, y, load, |point, _| {
-                    known.solution.on_boundary(point)[1]
-                }),
-            },
-        }
-    }
 }
 
 /// Problem on the grid with so many cells per side.
@@ -159,23 +115,6 @@ impl Spectral {
             .map(|p| p.weight * p.multiplier * on_boundary(grid, y, p.point))
             .sum();
         (2.0 * (energy(grid, y, load) - self.solution.energy - work)).max(0.0).sqrt()
-    }
-
-    /// Largest error at a node that both grids have.
-    fn max_error(&self, grid: Grid, y: &[f64]) -> f64 {
-        let samples = self.samples.get_or_init(|| {
-            self.at_nodes(SAMPLED).expect("the problem has been stated on this grid").y
-        });
-        let common = 1 << grid.cells().trailing_zeros().min(SAMPLED.trailing_zeros());
-        let (ours, theirs) = (grid.cells() / common, SAMPLED / common);
-        let mut largest = Largest::default();
-        for j in 0..=common {
-            for i in 0..=common {
-                let sample = samples[j * theirs * (SAMPLED + 1) + i * theirs];
-                largest.put(y[grid.index(i * ours, j * ours)] - sample);
-            }
-        }
-        largest.value()
     }
 }
 
@@ -209,24 +148,17 @@ mod tests {
     }
 
     #[test]
-    fn the_errors_of_zero_are_the_norms_of_the_solution() {
+    fn the_error_of_zero_is_the_norm_of_the_solution() {
         let f = "quadrant(ll)=6; else=-4";
         let known = KnownSolution::spectral("k", f).unwrap();
         let solution = &known.found().unwrap().solution;
         // The multiplier does no work on v.
         let size = (-2.0 * solution.energy).sqrt();
-        let points = solution.boundary_points();
-        let multiplier: f64 = points.iter().map(|p| p.weight * p.multiplier * p.multiplier).sum();
         for n in [8, 24, 256] {
             let grid = Grid::new(n).unwrap();
             let zero = vec![0.0; grid.nodes()];
-            let SolutionErrors { l2, h1, max, multiplier_l2 } = known.errors(grid, &zero, &zero);
-            assert_eq!(l2, None);
+            let h1 = known.h1_error(grid, &zero, &zero);
             assert!((h1 - size).abs() < 1e-12, "{h1} {size}");
-            // The corner of the quadrant with f > 0.
-            assert!((max - solution.on_boundary([-0.5; 2])[0]).abs() < 1e-12, "{max}");
-            let wrong = (multiplier_l2 / multiplier.sqrt() - 1.0).abs();
-            assert!(wrong < 8.0 / (n * n) as f64, "{n}: {wrong}");
         }
     }
 }

@@ -6,8 +6,6 @@
 //! Each experiment is one function of its plan, the central function of its module, and an entry of [`EXPERIMENTS`],
 //! by which whoever runs them all needs to know none.
 
-mod accuracy;
-mod adapted;
 mod claims;
 mod domains;
 mod known;
@@ -22,7 +20,6 @@ mod trial;
 mod truth;
 mod work;
 
-pub use adapted::coarse_meshes;
 pub use rows::{Findings, Row, Rows};
 
 use problems::TableProblem;
@@ -44,25 +41,15 @@ pub struct Experiment {
 }
 
 /// All experiments of the book.
-pub const EXPERIMENTS: [Experiment; 8] = [
+pub const EXPERIMENTS: [Experiment; 6] = [
     Experiment {
-        name: "accuracy",
-        plan: |problems| json(accuracy::AccuracyPlan::new(named(problems))),
-        run: |plan| found(plan, accuracy::accuracy),
-    },
-    Experiment {
-        name: "adapted",
-        plan: |_| json(adapted::AdaptedPlan::default()),
-        run: |plan| found(plan, adapted::adapted),
+        name: "work",
+        plan: |problems| json(work::WorkPlan::new(&named(problems))),
+        run: |plan| found(plan, work::work),
     },
     Experiment {
         name: "claims",
         plan: |problems| json(claims::ClaimsPlan::new(problems.to_vec())),
-        run: |plan| found(plan, claims::claims),
-    },
-    Experiment {
-        name: "friction",
-        plan: |_| json(claims::ClaimsPlan::friction()),
         run: |plan| found(plan, claims::claims),
     },
     Experiment {

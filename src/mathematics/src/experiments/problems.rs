@@ -1,8 +1,7 @@
 //! The paper's problems, some that test the search for contact, and loads of growing difficulty.
 
 use crate::discrete::grid::Grid;
-use crate::discrete::load::{LoadRule, load};
-use crate::problem::law::{Law, LawParameter};
+use crate::discrete::load::load;
 use crate::problem::source::Source;
 use crate::solvers::SaddleSettings;
 use crate::statement::Statement;
@@ -16,44 +15,6 @@ pub const CONTACT: [(&str, &str); 2] = [
     ("two-arcs", "disc(-0.5,-0.5,0.4)=14; disc(0.5,0.5,0.3)=16; else=-5"),
 ];
 
-/// Problem with friction.
-#[derive(Clone, Copy, Debug)]
-pub struct FrictionProblem {
-    /// f in the notation of scenes.
-    pub f: &'static str,
-    /// Bound of |dv/dn|.
-    pub g: f64,
-}
-
-/// Problems with friction. In the first three v has one sign, and so it has in the last two; in the fourth both. The
-/// flux of the last one is nearly at its bound everywhere.
-pub const FRICTION: [FrictionProblem; 6] = [
-    FrictionProblem { f: "quadrant(ll)=3; else=-1.002", g: 0.3 },
-    FrictionProblem { f: "quadrant(ll)=-6; else=1.998", g: 0.6 },
-    FrictionProblem { f: "else=1", g: 0.3 },
-    FrictionProblem { f: "halfplane(1,0,0)=8; else=-8", g: 1.0 },
-    FrictionProblem { f: "rect(-0.5,0,-0.25,0.25)=6; else=-1", g: 0.25 },
-    FrictionProblem { f: "else=4", g: 1.01 },
-];
-
-impl FrictionProblem {
-    /// Returns f.
-    ///
-    /// # Panics
-    /// If the text is no f.
-    pub fn source(self) -> Source {
-        self.f.parse().expect("a valid f")
-    }
-
-    /// Returns the law.
-    ///
-    /// # Panics
-    /// If g is not positive.
-    pub fn law(self) -> Law {
-        Law::friction(self.g).expect("a positive bound")
-    }
-}
-
 /// Problem with a table: its statement, and every r of the table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TableProblem {
@@ -66,14 +27,9 @@ pub struct TableProblem {
 }
 
 impl TableProblem {
-    /// Returns the name for a table: of a problem with another law than the paper's, f and the law.
+    /// Returns the name for a table.
     pub fn name(&self) -> String {
-        let f = &self.statement.f;
-        match self.statement.law {
-            None => format!("problem {}", self.number),
-            Some(LawParameter::Friction(g)) => format!("`{f}`, g = {g}"),
-            Some(LawParameter::Limit(limit)) => format!("`{f}`, limit = {limit}"),
-        }
+        format!("problem {}", self.number)
     }
 
     /// Settings of the paper's method.
@@ -175,30 +131,4 @@ fn jumps(x: f64, y: f64) -> f64 {
         (true, false) => 3e5,
         (false, _) => 1.0,
     }
-}
-
-/// Loads of the paper's problems, given by name with f in the notation of scenes. The first with f averaged on the
-/// axes: with the published tie rule its load has a positive sum, and there is nothing to solve. (Averaged, the sums
-/// are nearly zero: hard, but solvable.)
-///
-/// # Errors
-/// A sentence if f cannot be read.
-///
-/// # Panics
-/// If `n` is below 2.
-pub fn paper_loads(
-    n: usize,
-    problems: &[(String, String)],
-) -> Result<Vec<(&str, Vec<f64>)>, String> {
-    let grid = Grid::new(n).expect("fine enough");
-    let mut loads = Vec::new();
-    for (name, f) in problems {
-        let rule = match loads.is_empty() {
-            true => LoadRule::LumpedAverage {},
-            false => LoadRule::default(),
-        };
-        let f: Source = f.parse().map_err(|e| format!("{name}: {e}"))?;
-        loads.push((&name[..], load(grid, &f, rule)));
-    }
-    Ok(loads)
 }

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 pub(super) struct StressPlan {
     /// Problems of the paper.
     ///
-    /// If a solution is needed, f is averaged on its jumps: with the paper's choice of side on the jumps, the load
+    /// If a solution is needed, the load is bilinear: with the paper's choice of side on the jumps, that
     /// of problem 1 has a positive sum, and there is nothing to converge to.
     problems: Vec<TableProblem>,
     /// Name and f of another problem, whose lift and multiplier are of order one.
@@ -73,7 +73,7 @@ struct StressRun {
     ///   per problem; `signed`, `strict`, `multigrid`;
     /// - `floors`: the cells per side, to the rounding floor; `multigrid`, and on coarse grids `strict` after many
     ///   iterations;
-    /// - `starts`: a start far from the solution; `strict`, `multigrid`;
+    /// - `starts`: a start far from the solution; `strict`;
     /// - `jumps`, `spikes`: the size of a jump of f beside 1, and of a spike in one node; `multigrid`.
     series: &'static str,
     /// Name of the problem; none if the series has one alone.

@@ -86,16 +86,11 @@ fn saddle_trial(grid: Grid, job: &Job, end: End, pair: &Pair) -> Trial {
     trial.judged(grid, job.load, &pair.y, claim)
 }
 
-/// Runs multigrid, by nested iteration or from `start`.
-pub(super) fn multigrid_trial(
-    grid: Grid,
-    load: &[f64],
-    goal: Goal,
-    start: Option<&[f64]>,
-) -> Trial {
+/// Runs multigrid.
+pub(super) fn multigrid_trial(grid: Grid, load: &[f64], goal: Goal) -> Trial {
     let params = MultigridParams { goal, ..MultigridParams::default() };
     let problem = Law::SIGNORINI.with_load(load);
-    let Ok((y, outcome)) = multigrid::solve_square(grid.cells(), problem, start, &params) else {
+    let Ok((y, outcome)) = multigrid::solve_square(grid.cells(), problem, &params) else {
         return Trial::default();
     };
     let claim = match (outcome.stop, goal) {

@@ -2,23 +2,24 @@
 
 use super::known::KnownSolution;
 use super::saddle::{CheckInterval, loose_uzawa, sweeps_until};
+use super::{Findings, Rows};
 use crate::discrete::grid::{self, Grid};
 use crate::discrete::kkt::kkt;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::norms::lumped;
 use crate::discrete::stiffness::energy;
 use crate::discrete::transfer::Prolongation;
-use crate::machine::threads::try_map;
+use crate::machine::threads::{join, try_map};
 use crate::multigrid::{self, Goal, MultigridParams};
 use crate::problem::exact::Exact;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::saddle::{Method, NestedGrids, Pair, RunStart, run_nested};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Table `sweeps`: number of sweeps that Arrow-Hurwicz takes to a residual on one grid.
 #[derive(Clone, Serialize)]
-pub(super) struct SweepsRow {
+struct SweepsRow {
     /// f in the notation of scenes.
     f: String,
     /// True if each grid starts from the solution on the grid before, false if from zero.
@@ -32,7 +33,7 @@ pub(super) struct SweepsRow {
 /// Table `compared`: work of each method to an error of at most [`REACHED`] times the discretisation error: visits of
 /// unknowns so far, on all grids, over the number of unknowns of this one.
 #[derive(Serialize)]
-pub(super) struct ComparedWork {
+struct ComparedWork {
     problem: &'static str,
     cells: usize,
     multigrid: f64,
@@ -50,11 +51,42 @@ pub(super) const REACHED: f64 = 1.1;
 /// Two per cent of the sweeps between checks.
 const CHECKS: CheckInterval = CheckInterval { share: 50, limit: 1_000_000 };
 
+/// Input of the experiment; every grid is given by its cells per side.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct WorkPlan {
+    /// Right-hand sides in the notation of scenes, and grids, on which the sweeps of the paper's method are counted.
+    laws: Vec<(String, Vec<usize>)>,
+    /// Nested grids on which multigrid is compared with the saddle-point methods.
+    compared: Vec<usize>,
+}
+
+impl WorkPlan {
+    /// Plan of the book for the paper's problems, given by name with f in the notation of scenes.
+    pub(super) fn new(problems: &[(String, String)]) -> Self {
+        let mut laws = vec![("exact(free-corner)".into(), vec![8, 16, 32, 64, 128])];
+        // Problem 2: finer grids take too long for an experiment that is part of every run.
+        laws.extend(problems.get(1).map(|(_, f)| (f.clone(), vec![4, 8, 16, 32])));
+        Self { laws, compared: vec![8, 16, 32, 64] }
+    }
+}
+
+/// Runs the experiment: tables `sweeps` of the paper's method, and `compared` with multigrid's work.
+///
+/// # Errors
+/// A sentence if a grid cannot be used, or a problem cannot be solved on it.
+pub(super) fn work(plan: &WorkPlan) -> Result<Findings, String> {
+    let (sweeps, compared) = join(|| laws(&plan.laws), || compare(&plan.compared));
+    Ok(Findings::from([
+        ("sweeps".into(), Rows::of(sweeps?)),
+        ("compared".into(), Rows::of(compared?)),
+    ]))
+}
+
 /// Counts sweeps of Arrow-Hurwicz for each f, in the notation of scenes, on the grids with these cells per side.
 ///
 /// # Errors
 /// A sentence if f cannot be read, grids do not nest, or a target is out of reach.
-pub(super) fn laws(cases: &[(String, Vec<usize>)]) -> Result<Vec<SweepsRow>, String> {
+fn laws(cases: &[(String, Vec<usize>)]) -> Result<Vec<SweepsRow>, String> {
     let runs: Vec<_> = cases.iter().flat_map(|case| [(case, true), (case, false)]).collect();
     Ok(try_map(&runs, |&((f, cells), nested)| law(f, cells, nested))?.concat())
 }
@@ -98,7 +130,7 @@ fn law(f: &str, cells: &[usize], nested: bool) -> Result<Vec<SweepsRow>, String>
 ///
 /// # Errors
 /// A sentence if grids do not nest, or a method does not reach the discretisation error.
-pub(super) fn compare(cells: &[usize]) -> Result<Vec<ComparedWork>, String> {
+fn compare(cells: &[usize]) -> Result<Vec<ComparedWork>, String> {
     let exact = Exact::FreeCorner;
     let known = KnownSolution::Formula(exact);
     let grids = grid::nested(cells).map_err(|e| e.clone())?;
@@ -153,12 +185,8 @@ impl OnGrid {
         };
         let mut level = Self { grid, load: known.load(grid), measure, discretisation: 0.0 };
         let params = MultigridParams::default();
-        let solved = multigrid::solve_square(
-            grid.cells(),
-            Law::SIGNORINI.with_load(&level.load),
-            None,
-            &params,
-        );
+        let solved =
+            multigrid::solve_square(grid.cells(), Law::SIGNORINI.with_load(&level.load), &params);
         level.discretisation = level.error(&solved.map_err(|e| e.to_string())?.0);
         Ok(level)
     }
@@ -187,7 +215,7 @@ impl OnGrid {
 }
 
 /// Values of the true solution at the nodes, row by row.
-pub(super) fn nodal_values(exact: Exact, grid: Grid) -> Vec<f64> {
+fn nodal_values(exact: Exact, grid: Grid) -> Vec<f64> {
     let mut values = Vec::with_capacity(grid.nodes());
     for j in 0..grid.side() {
         for i in 0..grid.side() {
@@ -204,7 +232,7 @@ fn with_multigrid(levels: &[OnGrid]) -> Result<Vec<f64>, String> {
         let params =
             MultigridParams { goal: Goal::DiscretisationError, ..MultigridParams::default() };
         let (_, outcome) =
-            multigrid::solve_square(grid.cells(), Law::SIGNORINI.with_load(load), None, &params)
+            multigrid::solve_square(grid.cells(), Law::SIGNORINI.with_load(load), &params)
                 .map_err(|e| e.to_string())?;
         work.push(outcome.work_units);
     }

@@ -98,7 +98,7 @@ type Choice = (fn(&mut Variant), &'static str);
 
 /// Every single choice. Where the sweep starts is none: for a space closed under the symmetries of the square another
 /// corner only turns the picture, together with the side of the ties and the diagonal.
-const CHOICES: [Choice; 18] = [
+const CHOICES: [Choice; 17] = [
     (
         |v| v.load = nodal(Tie::LowerLeft, Some(Diagonal::Falling)),
         "nodal load, ties to the lower left, falling diagonal",
@@ -119,7 +119,6 @@ const CHOICES: [Choice; 18] = [
         |v| v.load = nodal(Tie::UpperRight, Some(Diagonal::Rising)),
         "nodal load, ties to the upper right, rising diagonal",
     ),
-    (|v| v.load = LoadRule::LumpedAverage {}, "load averaged on the jumps"),
     (|v| v.load = LoadRule::Exact { diagonal: Diagonal::Rising }, "exact load"),
     (|v| v.load = LoadRule::Exact { diagonal: Diagonal::Falling }, "exact load, falling diagonal"),
     (|v| v.corner_multiplier = DualWeight::Half, "half multiplier weight at corners"),

@@ -190,7 +190,7 @@ mod tests {
         compare(|| {
             let grid = Grid::new(11).expect("fine enough");
             let f = sources().next().expect("one");
-            let (load, start) = (load(grid, &f, LoadRule::LumpedAverage {}), Pair::zero(grid));
+            let (load, start) = (load(grid, &f, LoadRule::Bilinear {}), Pair::zero(grid));
             let goals = StopRule::ALL.map(|rule| JobGoal::Rule(rule, 1e-4));
             let methods = [(0.0, true), (1.0, false)].map(|(weight, loose)| Method::Uzawa {
                 weight,
@@ -231,9 +231,7 @@ mod tests {
             let grid = Grid::new(40).expect("fine enough");
             let load = load(grid, &f, exact);
             let problem = Law::SIGNORINI.with_load(&load);
-            compare(|| {
-                params.each_ref().map(|params| solve_square(grid.cells(), problem, None, params))
-            });
+            compare(|| params.each_ref().map(|params| solve_square(grid.cells(), problem, params)));
             compare(|| bounds(grid, &f, Law::SIGNORINI, &waves(grid.nodes())));
         }
     }

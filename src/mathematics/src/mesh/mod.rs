@@ -55,7 +55,7 @@ pub use cut::{ConstantPieces, CutMoments, CutShape, FramedCell};
 pub(crate) use edges::Edges;
 pub use error::MeshError;
 pub use errors::mesh_errors;
-pub(crate) use errors::{MeshPlace, distance_squared, integrals};
+
 pub(crate) use facets::{sides_of, sorted};
 pub use geometry::{Element, centroid, size, volume};
 use geometry::{bounds, longest_side};

@@ -24,9 +24,9 @@ pub enum InputError {
         /// Number of nodes.
         expected: usize,
     },
-    /// Name of a field that contains an infinity or a NaN, or whose sum overflows.
-    #[error("the {0} contains a number that is not finite, or its sum overflows")]
-    NotFinite(&'static str),
+    /// A load that contains an infinity or a NaN, or whose sum overflows.
+    #[error("the load contains a number that is not finite, or its sum overflows")]
+    NotFinite,
     /// A load that no flux can balance.
     #[error(transparent)]
     Unsolvable(#[from] Unsolvable),
@@ -78,13 +78,6 @@ pub(crate) fn check_length(expected: usize, field: &[f64]) -> Result<(), InputEr
     if found == expected { Ok(()) } else { Err(InputError::Length { found, expected }) }
 }
 
-/// Checks that a start has one finite number for each node, also when divided by `scale`.
-pub(super) fn check_start(expected: usize, start: &[f64], scale: f64) -> Result<(), InputError> {
-    check_length(expected, start)?;
-    let finite = start.iter().all(|value| (value / scale).is_finite());
-    if finite { Ok(()) } else { Err(InputError::NotFinite("start")) }
-}
-
 /// Checks that the load of these components is finite, and that the flux can balance it over each of them without fixed
 /// nodes: for the paper's law, that its sum is negative, the condition (2).
 ///
@@ -92,7 +85,7 @@ pub(super) fn check_start(expected: usize, start: &[f64], scale: f64) -> Result<
 /// [`InputError::NotFinite`] and [`InputError::Unsolvable`].
 pub(crate) fn check_load(components: &[Component], law: Law) -> Result<(), InputError> {
     if !components.iter().map(|component| component.integral).sum::<f64>().is_finite() {
-        return Err(InputError::NotFinite("load"));
+        return Err(InputError::NotFinite);
     }
     for component in components {
         component.check(law, 0.0)?;

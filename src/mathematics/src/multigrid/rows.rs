@@ -88,17 +88,6 @@ pub(super) fn as_slices(colours: &[ColourRows; 2]) -> [&[f64]; 2] {
     [&colours[0], &colours[1]]
 }
 
-/// Copies a field in natural order, rows of `n + 1` numbers, into red and black rows.
-pub(super) fn split(n: usize, natural: &[f64], colours: &mut [ColourRows; 2]) {
-    let stride = stride(n);
-    let [red, black] = colours.each_mut().map(|half| half.par_chunks_exact_mut(stride));
-    let rows = red.zip(black).zip(natural.par_chunks_exact(n + 1)).enumerate();
-    in_tasks(rows, 2 * stride).for_each(|(j, ((red, black), source))| {
-        let [long, short] = long_and_short(j, [red, black]);
-        deinterleave(source, long, short);
-    });
-}
-
 /// Multiplies every number of both colours by `factor`.
 pub(super) fn scale(colours: &mut [ColourRows; 2], factor: f64) {
     if factor != 1.0 {
@@ -113,7 +102,7 @@ pub(super) fn for_each(colours: &mut [ColourRows; 2], change: impl Fn(&mut f64) 
     }
 }
 
-/// Copies red and black rows, multiplied by `factor`, into a field in natural order: the inverse of [`split`].
+/// Copies red and black rows, multiplied by `factor`, into a field in natural order, rows of `n + 1` numbers.
 ///
 /// # Panics
 /// If `natural` does not have one number for each node.

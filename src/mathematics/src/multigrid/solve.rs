@@ -7,7 +7,7 @@
 
 use super::cycle::{DOUBLE_VISITS_BELOW, OVERCORRECTION};
 use super::driver::{self, Hierarchy, LoadScale};
-use super::input::{InputError, check_length, check_load, check_start};
+use super::input::{InputError, check_length, check_load};
 use super::level::MultigridLevel;
 use super::load;
 use super::pass;
@@ -46,7 +46,7 @@ fn loaded_square(stats: &LoadStats) -> Component {
 }
 
 impl Multigrid {
-    /// Solves the problem for one load; `start`, if given, replaces the nested iteration.
+    /// Solves the problem for one load.
     ///
     /// # Errors
     /// If a length is wrong, a number is not finite, or the flux cannot balance the load; under the paper's law, if its
@@ -54,7 +54,6 @@ impl Multigrid {
     pub fn solve(
         &mut self,
         problem: LawAndLoad<'_>,
-        start: Option<&[f64]>,
         params: &MultigridParams,
     ) -> Result<End, InputError> {
         among_threads(self.finest().nodes, || {
@@ -62,7 +61,7 @@ impl Multigrid {
             (self.work_units, self.traffic) = (0.0, 32.0);
             self.one_sided = problem.law.one_sided(problem.load);
             let limit = self.one_sided.limit;
-            driver::solve(&mut SquareRun::new(self, problem, start, params.goal), limit, params)
+            driver::solve(&mut SquareRun::new(self, problem, params.goal), limit, params)
         })
     }
 
@@ -124,14 +123,6 @@ impl Multigrid {
         Ok(())
     }
 
-    fn set_start(&mut self, start: &[f64]) -> Result<(), InputError> {
-        let top = self.levels.last_mut().expect("at least one grid");
-        check_start(top.nodes, start, self.scale)?;
-        rows::split(top.n, start, &mut top.values);
-        rows::scale(&mut top.values, self.one_sided.signed(1.0 / self.scale));
-        Ok(())
-    }
-
     /// Norm of the load on the finest grid but one.
     fn coarse_norm(&mut self) -> f64 {
         let coarse = &self.levels[self.levels.len() - 2];
@@ -167,20 +158,13 @@ impl Multigrid {
 struct SquareRun<'a> {
     grids: &'a mut Multigrid,
     problem: LawAndLoad<'a>,
-    /// Start on the finest grid, instead of the nested iteration.
-    start: Option<&'a [f64]>,
     goal: Goal,
     parts: PartRule,
 }
 
 impl<'a> SquareRun<'a> {
-    fn new(
-        grids: &'a mut Multigrid,
-        problem: LawAndLoad<'a>,
-        start: Option<&'a [f64]>,
-        goal: Goal,
-    ) -> Self {
-        Self { grids, problem, start, goal, parts: PartRule::default() }
+    fn new(grids: &'a mut Multigrid, problem: LawAndLoad<'a>, goal: Goal) -> Self {
+        Self { grids, problem, goal, parts: PartRule::default() }
     }
 }
 
@@ -222,13 +206,6 @@ impl Hierarchy for SquareRun<'_> {
 
     fn settle(&mut self, level: usize) {
         self.grids.settle(level);
-    }
-
-    fn start(&mut self) -> Result<Option<f64>, InputError> {
-        let (finest, Some(start)) = (self.finest(), self.start) else { return Ok(None) };
-        self.grids.set_start(start)?;
-        let stages = [Relax(Red, 1.0), Relax(Black, 1.0), Restrict];
-        Ok(Some(self.grids.pass_under_law(finest, &stages)))
     }
 
     /// One cycle; returns the residual of the red nodes.

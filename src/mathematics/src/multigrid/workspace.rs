@@ -79,7 +79,7 @@ impl Multigrid {
 /// over `y >= 0` there; `A` is the five-point stiffness matrix of the natural boundary condition on a grid with `n`
 /// cells per side.
 ///
-/// The load and the solution hold `(n + 1)^2` numbers, x fastest. `start`, if given, replaces the nested iteration.
+/// The load and the solution hold `(n + 1)^2` numbers, x fastest.
 ///
 /// # Errors
 /// If `n` is not a power of two (at least 2) times 1, 3, 5 or 7, a length is wrong, a number is not finite, or the flux
@@ -88,13 +88,12 @@ impl Multigrid {
 pub fn solve_square(
     n: usize,
     problem: LawAndLoad<'_>,
-    start: Option<&[f64]>,
     params: &MultigridParams,
 ) -> Result<(Vec<f64>, End), InputError> {
     let mut grids = Multigrid::square(n)?;
     let mut solution = vec![0.0; problem.load.len()];
     let outcome = among_threads(problem.load.len(), || {
-        let outcome = grids.solve(problem, start, params)?;
+        let outcome = grids.solve(problem, params)?;
         grids.write_solution(&mut solution);
         Ok::<_, InputError>(outcome)
     })?;

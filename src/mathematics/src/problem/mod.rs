@@ -4,7 +4,6 @@ pub(crate) mod balance;
 pub(crate) mod choices;
 pub(crate) mod complex;
 pub(crate) mod descent;
-pub mod disc;
 pub mod error;
 pub mod exact;
 pub mod field;

@@ -1,15 +1,15 @@
-//! Many runs, on one grid or network or over nested ones, dealt out to the vector lanes.
+//! Many runs, on one grid or over nested ones, dealt out to the vector lanes.
 
-use super::batch::{LANES, LaneEngine};
+use super::batch::{LANES, Lanes, Order};
 use super::engine::{self, run_alone, within};
-use super::solve::{gradient_extrema, judged, lanes};
-use crate::discrete::domain::DiscreteDomain;
+use super::solve::{gradient_extrema, judged};
 use crate::discrete::end::{End, Outcome};
 use crate::discrete::grid::Grid;
 use crate::discrete::stop::Stop;
 use crate::problem::law::Law;
 use crate::saddle::{
-    Goals, JobGoal, Method, NestedLevels, Pair, RunStart, RunState, StopRule, run_nested, tolerance,
+    Engine, Goals, JobGoal, Method, NestedGrids, NestedLevels, Pair, RunStart, RunState, StopRule,
+    run_nested, tolerance,
 };
 use std::array::from_fn;
 use std::cmp::Reverse;
@@ -58,27 +58,26 @@ impl Job<'_> {
 /// runs come. Jobs that differ in their goals alone have one run.
 ///
 /// # Panics
-/// As [`LaneEngine::enter`].
-pub(crate) fn run<'a>(domain: impl Into<DiscreteDomain<'a>>, jobs: &[Job]) -> Vec<(End, Pair)> {
-    let domain = domain.into();
+/// As [`Lanes::enter`].
+pub(crate) fn run(grid: Grid, jobs: &[Job]) -> Vec<(End, Pair)> {
     if let [job] = jobs {
         // The engine of one run takes less time than eight lanes of which seven are idle.
-        let mut engine = super::engine(domain, job.law, &job.run());
+        let mut engine = super::engine(grid, job.law, &job.run());
         let state = RunState::new(&job.run(), job.cap);
         let end = run_alone(&mut *engine, state, &mut |engine, run| {
             within(engine, [job.goal.bound(run)])[0]
         });
         return vec![(end, engine.pair(0).into_owned())];
     }
-    let mut lanes = lanes(domain);
+    let mut lanes = Lanes::new(grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
     let mut queue = JobQueue {
         jobs,
         waiting: same_runs(jobs).into(),
         open: [const { Vec::new() }; LANES],
         ends: vec![None; jobs.len()],
     };
-    let first = from_fn(|lane| queue.enter(&mut *lanes, lane));
-    engine::run(&mut *lanes, first, &mut queue);
+    let first = from_fn(|lane| queue.enter(&mut lanes, lane));
+    engine::run(&mut lanes, first, &mut queue);
     queue.ends.into_iter().flatten().collect()
 }
 
@@ -107,7 +106,7 @@ struct JobQueue<'a> {
 
 impl JobQueue<'_> {
     /// Puts the next jobs into a lane.
-    fn enter(&mut self, lanes: &mut dyn LaneEngine, lane: usize) -> Option<RunState> {
+    fn enter(&mut self, lanes: &mut Lanes, lane: usize) -> Option<RunState> {
         self.open[lane] = self.waiting.pop_front()?;
         let job = self.jobs[self.open[lane][0]];
         lanes.enter(lane, job.law, &job.run());
@@ -115,12 +114,8 @@ impl JobQueue<'_> {
     }
 }
 
-impl<'e> Goals<dyn LaneEngine + 'e, LANES> for JobQueue<'_> {
-    fn reached(
-        &mut self,
-        lanes: &mut (dyn LaneEngine + 'e),
-        runs: [Option<&RunState>; LANES],
-    ) -> [bool; LANES] {
+impl Goals<Lanes, LANES> for JobQueue<'_> {
+    fn reached(&mut self, lanes: &mut Lanes, runs: [Option<&RunState>; LANES]) -> [bool; LANES] {
         let most = self.open.iter().map(Vec::len).max().unwrap_or(0);
         // The last ones first, so that those before keep their places.
         for place in (0..most).rev() {
@@ -135,12 +130,7 @@ impl<'e> Goals<dyn LaneEngine + 'e, LANES> for JobQueue<'_> {
         from_fn(|lane| runs[lane].is_some() && self.open[lane].is_empty())
     }
 
-    fn ended(
-        &mut self,
-        lanes: &mut (dyn LaneEngine + 'e),
-        lane: usize,
-        end: End,
-    ) -> Option<RunState> {
+    fn ended(&mut self, lanes: &mut Lanes, lane: usize, end: End) -> Option<RunState> {
         for number in std::mem::take(&mut self.open[lane]) {
             self.ends[number] = Some((end, lanes.pair(lane).into_owned()));
         }
@@ -148,7 +138,7 @@ impl<'e> Goals<dyn LaneEngine + 'e, LANES> for JobQueue<'_> {
     }
 }
 
-/// A run of the paper's method over nested grids or networks.
+/// A run of the paper's method over nested grids.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NestedJob<'a> {
     /// Law on the boundary.
@@ -169,8 +159,8 @@ pub(crate) struct NestedJob<'a> {
 ///
 /// # Panics
 /// If the levels do not belong together, or a load has the wrong length.
-pub(crate) fn run_all_nested<L: NestedLevels + ?Sized>(
-    levels: &L,
+pub(crate) fn run_all_nested(
+    levels: &NestedGrids,
     runs: &[NestedJob],
     cap: impl Fn(usize, usize) -> usize,
 ) -> Vec<Vec<(End, Pair)>> {
@@ -189,7 +179,7 @@ pub(crate) fn run_all_nested<L: NestedLevels + ?Sized>(
             Job { law, load, start, method, r, goal, cap: cap(number, k) }
         };
         let jobs: Vec<_> = order.iter().map(job).collect();
-        for (&number, ended) in order.iter().zip(run(levels.domain(k), &jobs)) {
+        for (&number, ended) in order.iter().zip(run(levels.grids[k], &jobs)) {
             done[number].push(ended);
         }
         for (pair, done) in pairs.iter_mut().zip(&done) {

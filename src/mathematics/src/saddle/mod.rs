@@ -18,7 +18,7 @@ pub use method::Method;
 pub use nested::{Monitor, NestedGrids, NestedLevels, run_nested, solve_nested, tolerance};
 pub use plain::Plain;
 pub use solve::{Iteration, Params, arrow_hurwicz, solve};
-pub(crate) use solve::{JobGoal, engine, lanes};
+pub(crate) use solve::{JobGoal, engine};
 pub(crate) use stopping::GradientMeasure;
 pub use stopping::StopRule;
 

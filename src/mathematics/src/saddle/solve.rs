@@ -1,7 +1,6 @@
 //! One run of a method on one grid or network, until its stopping rule is met.
 
 use super::Pair;
-use super::batch::{LaneEngine, Lanes, NetworkLanes, Order};
 use super::engine::{Engine, MeasureBound, RunStart, RunState, run_alone, within};
 use super::method::Method;
 use super::network::OnNetwork;
@@ -99,16 +98,6 @@ pub(crate) fn engine<'a>(
     match domain.into() {
         DiscreteDomain::Grid(grid) => Box::new(OnSquare::new(grid, law, run)),
         DiscreteDomain::Network(network) => Box::new(OnNetwork::new(network, law, run)),
-    }
-}
-
-/// Engine for many runs on a grid or network.
-pub(crate) fn lanes<'a>(domain: impl Into<DiscreteDomain<'a>>) -> Box<dyn LaneEngine + 'a> {
-    match domain.into() {
-        DiscreteDomain::Grid(grid) => {
-            Box::new(Lanes::new(grid, Law::SIGNORINI, Order::Lexicographic, 1.0))
-        }
-        DiscreteDomain::Network(network) => Box::new(NetworkLanes::new(network)),
     }
 }
 

@@ -114,9 +114,7 @@ pub(super) fn multigrid(
     let params = MultigridParams { goal: settings.goal, ..MultigridParams::default() };
     let loaded = problem.law().with_load(problem.load());
     let solved = match problem.levels().discrete() {
-        Discrete::Lattices(lattices) => {
-            solve_square(lattices.finest().cells(), loaded, None, &params)
-        }
+        Discrete::Lattices(lattices) => solve_square(lattices.finest().cells(), loaded, &params),
         Discrete::Networks(networks) => solve_nested_networks(networks, loaded, &params),
     };
     let dimension = problem.levels().facts().dimension;

@@ -9,7 +9,7 @@ use crate::pipeline::error::Failure;
 use crate::pipeline::{Inputs, Task};
 use crate::replication::scene::{Output, Runs, Scene};
 use crate::replication::stages::solve;
-use signorini_mathematics::experiments::coarse_meshes;
+use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::saddle::{Pair, tolerance};
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
@@ -75,9 +75,6 @@ pub(super) fn iterates(scene: &Scene) -> Task {
     })
 }
 
-/// Most nodes of the adapted meshes that are drawn.
-const FEW: usize = 450;
-
 /// The tasks that draw the problem, the grid, and solutions on other domains; they read nothing.
 pub(super) fn drawings() -> [Task; 5] {
     let all: [(&str, &str, Draw); 5] = [
@@ -88,7 +85,7 @@ pub(super) fn drawings() -> [Task; 5] {
             it.made(inputs, meshes()?)
         }),
         ("adapted-mesh", "Adapted meshes of three domains", |it, inputs| {
-            it.made(inputs, beside(&coarse_meshes(FEW)?)?)
+            it.made(inputs, adapted_meshes()?)
         }),
         ("membrane", "The square and its membrane", |it, inputs| it.made(inputs, membrane())),
         ("grid", "The coarsest grid, in the order of the sweep", |it, inputs| {
@@ -113,6 +110,19 @@ fn meshes() -> Result<Picture, String> {
         refined.push((name.to_owned(), coarsest.refined(1).map_err(|e| e.to_string())?));
     }
     beside(&refined)
+}
+
+/// Draws the meshes of the domains on which the guaranteed error is a tenth of the solution.
+fn adapted_meshes() -> Result<Picture, String> {
+    let mut adapted = Vec::new();
+    for (name, f, _) in DRAWN {
+        let fineness = Fineness::Within(Accuracy::Error(0.1));
+        let statement = Statement { fineness, ..Statement::usual(Domain::named(name), f) };
+        let problem = statement.solved(None).map_err(|e| format!("{name}: {e}"))?.problem;
+        let mesh = problem.levels().mesh(problem.finest()).into_owned();
+        adapted.push((format!("{name}, {} nodes", mesh.nodes()), mesh));
+    }
+    beside(&adapted)
 }
 
 /// Draws meshes in the plane with their titles beside each other.

@@ -212,6 +212,7 @@ fn of_both([first, last]: [Vec<&ClaimRun>; 2]) -> Vec<ClaimCase> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statement::{Domain, Statement};
 
     /// Run to a KKT residual on one grid; it reaches the limit where there is no count.
     fn run(problem: u8, method: &'static str, r: f64, count: Option<usize>) -> ClaimRun {
@@ -282,7 +283,8 @@ mod tests {
             runs.push(ClaimRun { end: end.into(), cells, delta_a: 1.0, ..run });
         }
         let runs: Vec<_> = runs.iter().collect();
-        let problem = ClaimsPlan::friction().problems.remove(0);
+        let statement = Statement::usual(Domain::square(), "else=-1");
+        let problem = TableProblem { number: 1, r: vec![10.0], statement };
         let cases = at_stops(&problem, &finest(&runs));
         let found: Vec<_> = cases.iter().map(|case| (&case.claim[..], case.holds)).collect();
         let expected =

@@ -6,13 +6,9 @@ mod problem;
 mod runs;
 
 use super::{Findings, Rows, power_of_ten};
-use crate::discrete::load::LoadRule;
-use crate::experiments::problems::{FRICTION, FrictionProblem, TableProblem};
+use crate::experiments::problems::TableProblem;
 use crate::machine::threads::{map, try_map};
-use crate::problem::law::LawParameter;
 use crate::saddle::{Method, StopRule};
-use crate::solvers::SaddleSettings;
-use crate::statement::{Domain, Statement};
 use problem::ClaimProblem;
 use serde::{Deserialize, Serialize};
 
@@ -73,30 +69,6 @@ impl ClaimsPlan {
         }
     }
 
-    /// Plan of the book for problems with friction: fewer values of r, and coarser grids.
-    pub(super) fn friction() -> Self {
-        let mut problems = Vec::new();
-        for (number, FrictionProblem { f, g }) in (1..).zip(FRICTION) {
-            let statement = Statement {
-                law: Some(LawParameter::Friction(g)),
-                load: Some(LoadRule::LumpedAverage {}),
-                saddle: Some(SaddleSettings {
-                    max_iterations: 100_000,
-                    ..SaddleSettings::default()
-                }),
-                ..Statement::usual(Domain::square(), f)
-            };
-            let r = vec![1e6, 10.0, 5.0, 1.0, 0.5];
-            problems.push(TableProblem { number, r, statement });
-        }
-        Self {
-            per_decade: 1,
-            targets: KktTarget::all([(1e-3, 32), (1e-6, 16)]),
-            compared_r: vec![1.0, 10.0, 100.0, 1e6],
-            ..Self::new(problems)
-        }
-    }
-
     /// Values of r of the sweep over r, ascending.
     fn r(&self) -> Vec<f64> {
         let (low, high) = self.decades;
@@ -118,7 +90,7 @@ impl ClaimsPlan {
 enum ClaimMeasure {
     /// A stopping rule on nested grids, with the paper's tolerances and load.
     Rule(StopRule),
-    /// A KKT residual, from the coarser grid's solution, with the load averaged around nodes.
+    /// A KKT residual, from the coarser grid's solution, with the bilinear load.
     Kkt(f64),
 }
 
@@ -159,7 +131,7 @@ const VARIANTS: [UzawaVariant; 4] = [
 /// Easily broken: step 3 finds a run by its problem, end and r, so r must have the same bits wherever it is listed.
 ///
 /// # Errors
-/// If f or grids do not parse, or a problem has no solution on some grid under the averaged load.
+/// If f or grids do not parse, or a problem has no solution on some grid under the bilinear load.
 pub(super) fn claims(plan: &ClaimsPlan) -> Result<Findings, String> {
     let problems = try_map(&plan.problems, ClaimProblem::new)?;
     let runs = runs::run_all(plan, &problems);

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 /// Rule of the load towards a KKT residual: under the published one, problem 1 sums to a positive number on
 /// fine grids, and has no solution to converge to.
-const SOLVABLE: LoadRule = LoadRule::LumpedAverage {};
+const SOLVABLE: LoadRule = LoadRule::Bilinear {};
 /// Tolerance of the coarser grid's solution, from which runs towards a KKT residual start.
 const START: f64 = 1e-12;
 /// Cells per side of the finest grid on which weights of the proximal term are compared.
@@ -27,7 +27,6 @@ const R_OF_WEIGHTS: f64 = 100.0;
 /// A problem on all its grids.
 pub(super) struct ClaimProblem<'a> {
     pub(super) problem: &'a TableProblem,
-    pub(super) law: Law,
     pub(super) grids: Vec<Grid>,
     /// Load vectors under the published rule.
     pub(super) published: Vec<Vec<f64>>,
@@ -54,11 +53,15 @@ pub(super) struct WeightRow {
     ahead: bool,
 }
 
+/// The end of a run on one grid, with the KKT residual of its last pair.
+pub(super) fn measured(grid: Grid, load: &[f64], (end, pair): &(End, Pair)) -> (End, f64) {
+    (*end, kkt(grid, Law::SIGNORINI, &pair.y, load).relative)
+}
+
 impl<'a> ClaimProblem<'a> {
     pub(super) fn new(problem: &'a TableProblem) -> Result<Self, String> {
         let (f, grids) = problem.on_grids()?;
         let published = problem.loads(&f, &grids);
-        let law = problem.statement.law().map_err(|e| e.to_string())?;
         let solvable: Vec<_> = grids.iter().map(|&grid| load(grid, &f, SOLVABLE)).collect();
         let params =
             Params { r: 100.0, tolerance: START, rule: StopRule::PrintedDual, ..Params::default() };
@@ -69,28 +72,19 @@ impl<'a> ClaimProblem<'a> {
             if k + 1 == grids.len() {
                 return Ok(());
             }
-            let outcome = arrow_hurwicz(grids[k], law.with_load(&solvable[k]), &params, pair);
+            let outcome =
+                arrow_hurwicz(grids[k], Law::SIGNORINI.with_load(&solvable[k]), &params, pair);
             match outcome.end.stop {
                 Stop::Converged => Ok(()),
                 stop => Err(format!("no solution on grid 1/{}: {stop}", grids[k].cells())),
             }
         })?;
-        Ok(Self { problem, law, grids, published, solvable, starts })
+        Ok(Self { problem, grids, published, solvable, starts })
     }
 
     /// Interpolation to the next grid.
     pub(super) fn prolongation(&self) -> Prolongation {
         self.problem.saddle().prolongation
-    }
-
-    /// The end of a run on one grid, with the KKT residual of its last pair.
-    pub(super) fn measured(
-        &self,
-        grid: Grid,
-        load: &[f64],
-        (end, pair): &(End, Pair),
-    ) -> (End, f64) {
-        (*end, kkt(grid, self.law, &pair.y, load).relative)
     }
 
     /// Sweeps of the proximal method with loose inner minimisations to a KKT residual on the finest of the grids for
@@ -106,7 +100,7 @@ impl<'a> ClaimProblem<'a> {
         let mut jobs = Vec::new();
         for method in methods.chain([Method::ArrowHurwicz]) {
             let goal = JobGoal::Kkt(target);
-            let (law, r) = (self.law, R_OF_WEIGHTS);
+            let (law, r) = (Law::SIGNORINI, R_OF_WEIGHTS);
             jobs.push(Job { law, load, start, method, r, goal, cap: plan.cap });
         }
         let mut sweeps: Vec<_> = run(grid, &jobs).iter().map(|(end, _)| end.sweeps()).collect();

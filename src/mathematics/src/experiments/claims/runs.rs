@@ -1,11 +1,12 @@
 //! Runs of the experiment on the claims, spread over threads; every count is the same however they are spread.
 
-use super::problem::ClaimProblem;
+use super::problem::{ClaimProblem, measured};
 use super::{ClaimMeasure, ClaimsPlan, KktTarget, VARIANTS};
 use crate::discrete::end::End;
 use crate::discrete::norms::largest;
 use crate::discrete::stop::Stop;
 use crate::machine::threads::map;
+use crate::problem::law::Law;
 use crate::saddle::batch::LANES;
 use crate::saddle::jobs::{Job, NestedJob, run, run_all_nested};
 use crate::saddle::{JobGoal, Method, NestedGrids, StopRule};
@@ -28,7 +29,7 @@ pub(super) struct ClaimRun {
     /// [`ARROW_HURWICZ`], or the name of a variant of Uzawa's algorithm.
     pub(super) method: &'static str,
     /// End of the run: a stopping rule, on nested grids with the paper's tolerances and load, or a KKT residual,
-    /// from the coarser grid's solution with the load averaged around nodes.
+    /// from the coarser grid's solution with the bilinear load.
     pub(super) end: String,
     /// This KKT residual over the largest component of F; none under a stopping rule.
     pub(super) target: Option<f64>,
@@ -231,9 +232,9 @@ fn run_nested(problems: &[ClaimProblem], batch: &[ClaimJob]) -> Vec<Vec<(End, f6
     let levels = NestedGrids { grids: &first.grids, prolongation: first.prolongation() };
     let mut runs = Vec::new();
     for job in batch {
-        let ClaimProblem { law, published: loads, .. } = &problems[job.problem];
+        let loads = &problems[job.problem].published;
         let rule = job.rule().expect("the runs of a batch are of one kind");
-        runs.push(NestedJob { law: *law, loads, r: job.r, rule });
+        runs.push(NestedJob { law: Law::SIGNORINI, loads, r: job.r, rule });
     }
     let all_ends = run_all_nested(&levels, &runs, |run, _| {
         problems[batch[run].problem].problem.saddle().max_iterations
@@ -242,7 +243,7 @@ fn run_nested(problems: &[ClaimProblem], batch: &[ClaimJob]) -> Vec<Vec<(End, f6
     for (job, ends) in batch.iter().zip(all_ends) {
         let case = &problems[job.problem];
         let on_grids = case.grids.iter().zip(&case.published).zip(&ends);
-        results.push(on_grids.map(|((g, load), end)| case.measured(*g, load, end)).collect());
+        results.push(on_grids.map(|((g, load), end)| measured(*g, load, end)).collect());
     }
     results
 }
@@ -255,19 +256,19 @@ fn run_on_grid(
 ) -> Vec<Vec<(End, f64)>> {
     let mut jobs = Vec::new();
     for run in batch {
-        let ClaimProblem { law, solvable, starts, .. } = &problems[run.problem];
-        let (law, load, start) = (*law, &solvable[run.level], &starts[run.level]);
+        let ClaimProblem { solvable, starts, .. } = &problems[run.problem];
+        let (load, start) = (&solvable[run.level], &starts[run.level]);
         let method = match run.variant {
             None => Method::ArrowHurwicz,
             Some(k) => VARIANTS[k].method(plan.weight, 0.1 * run.target() * largest(load)),
         };
         let goal = JobGoal::Kkt(run.target());
-        jobs.push(Job { law, load, start, method, r: run.r, goal, cap: plan.cap });
+        jobs.push(Job { law: Law::SIGNORINI, load, start, method, r: run.r, goal, cap: plan.cap });
     }
     let grid = problems[batch[0].problem].grids[batch[0].level];
     let mut results = Vec::new();
-    for ((job, run), end) in jobs.iter().zip(batch).zip(run(grid, &jobs)) {
-        results.push(vec![problems[run.problem].measured(grid, job.load, &end)]);
+    for (job, end) in jobs.iter().zip(run(grid, &jobs)) {
+        results.push(vec![measured(grid, job.load, &end)]);
     }
     results
 }
@@ -275,27 +276,27 @@ fn run_on_grid(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::statement::Fineness;
+    use crate::experiments::problems::TableProblem;
+    use crate::statement::{Domain, Fineness, Statement};
 
     #[test]
     fn every_run_is_in_one_batch_and_no_batch_leaves_lanes_idle_from_the_start() {
-        let plan = ClaimsPlan::friction();
-        // The first two have the paper's f.
-        let papers = plan.problems[..2].iter().cloned();
-        let mut papers = ClaimsPlan::new(papers.collect());
-        papers.problems.iter_mut().for_each(|problem| problem.statement.law = None);
-        for mut plan in [plan, papers] {
+        let mut papers = Vec::new();
+        for (number, f) in [(1, "quadrant(ll)=3; else=-1.002"), (2, "quadrant(ll)=-6; else=1.998")]
+        {
             // The batches are the same without the finest grids.
-            plan.problems.iter_mut().for_each(|problem| {
-                problem.statement.fineness = Fineness::Grids(vec![4, 8, 16]);
-            });
-            let problems: Vec<_> =
-                plan.problems.iter().map(|problem| ClaimProblem::new(problem).unwrap()).collect();
-            let (all, batches) = (all_jobs(&plan, &problems), batches(&plan, &problems));
-            assert!(batches.iter().all(|batch| batch.len() >= 4 * LANES && batch.len() < 2 * RUNS));
-            let batched = batches.concat();
-            assert_eq!(batched.len(), all.len());
-            assert!(all.iter().all(|job| batched.contains(job)));
+            let fineness = Fineness::Grids(vec![4, 8, 16]);
+            let statement = Statement { fineness, ..Statement::usual(Domain::square(), f) };
+            let r = vec![1e6, 10.0, 5.0, 1.0, 0.5];
+            papers.push(TableProblem { number, r, statement });
         }
+        let plan = ClaimsPlan::new(papers);
+        let problems: Vec<_> =
+            plan.problems.iter().map(|problem| ClaimProblem::new(problem).unwrap()).collect();
+        let (all, batches) = (all_jobs(&plan, &problems), batches(&plan, &problems));
+        assert!(batches.iter().all(|batch| batch.len() >= 4 * LANES && batch.len() < 2 * RUNS));
+        let batched = batches.concat();
+        assert_eq!(batched.len(), all.len());
+        assert!(all.iter().all(|job| batched.contains(job)));
     }
 }

@@ -18,8 +18,8 @@ const BATCH: usize = 12 * LANES;
 pub(super) enum StressJob {
     /// Paper's method on the coarse grid.
     Saddle { load: Vec<f64>, r: f64, goal: JobGoal, limit: usize, start: Pair },
-    /// Multigrid, by nested iteration or from a start.
-    Multigrid { grid: Grid, load: Vec<f64>, goal: Goal, start: Option<Vec<f64>> },
+    /// Multigrid.
+    Multigrid { grid: Grid, load: Vec<f64>, goal: Goal },
 }
 
 /// A run with the job that makes it.
@@ -41,9 +41,7 @@ impl Pending {
     fn multigrid_trial(&self) -> Option<Trial> {
         match &self.job {
             StressJob::Saddle { .. } => None,
-            StressJob::Multigrid { grid, load, goal, start } => {
-                Some(multigrid_trial(*grid, load, *goal, start.as_deref()))
-            }
+            StressJob::Multigrid { grid, load, goal } => Some(multigrid_trial(*grid, load, *goal)),
         }
     }
 

@@ -74,7 +74,7 @@ fn trial(number: usize) -> Trial {
         let smooth: f64 = along_x[i].iter().zip(&along_y[j]).map(|(x, y)| x * y).sum();
         smooth + roughness * noise[j * (n + 1) + i]
     });
-    multigrid_trial(grid, &load, Goal::RoundingFloor, None)
+    multigrid_trial(grid, &load, Goal::RoundingFloor)
 }
 
 /// Number of the node nearest to a coordinate, of the nodes 0 to `n` on an axis.

@@ -56,7 +56,7 @@ impl<'a> StressLoads<'a> {
         let papers = plan.problems.iter().map(|one| (one.name(), one.statement.f.clone()));
         for (name, f) in papers.chain([plan.contact.clone()]) {
             let f: Source = f.parse().map_err(|e| format!("{e}"))?;
-            let rule = LoadRule::LumpedAverage {};
+            let rule = LoadRule::Bilinear {};
             loads.push(Loads { name, coarse: load(coarse, &f, rule), fine: load(fine, &f, rule) });
         }
         Ok(Self { plan, coarse, fine, loads })
@@ -89,13 +89,8 @@ impl<'a> StressLoads<'a> {
     }
 
     /// Multigrid to the rounding floor, on the fine grid.
-    fn multigrid(&self, load: &[f64], start: Option<Vec<f64>>) -> StressJob {
-        StressJob::Multigrid {
-            grid: self.fine,
-            load: load.into(),
-            goal: Goal::RoundingFloor,
-            start,
-        }
+    fn multigrid(&self, load: &[f64]) -> StressJob {
+        StressJob::Multigrid { grid: self.fine, load: load.into(), goal: Goal::RoundingFloor }
     }
 
     fn duality(&self, loads: &Loads) -> Vec<Pending> {
@@ -118,7 +113,7 @@ impl<'a> StressLoads<'a> {
             let runs = [
                 ("scaled", self.signed(&coarse, R, self.plan.tolerance * factor)),
                 ("fixed", self.signed(&coarse, R, self.plan.tolerance)),
-                ("multigrid", self.multigrid(&fine, None)),
+                ("multigrid", self.multigrid(&fine)),
             ];
             pending.extend(together("scaling", f64::from(exponent), runs));
         }
@@ -131,7 +126,7 @@ impl<'a> StressLoads<'a> {
             let fine = quadrants(self.fine, odd, deficit);
             [
                 ("strict", self.strict(&coarse, R, Pair::zero(self.coarse))),
-                ("multigrid", self.multigrid(&fine, None)),
+                ("multigrid", self.multigrid(&fine)),
             ]
         });
         of_problem(&format!("odd quadrant {odd}"), pending)
@@ -145,7 +140,7 @@ impl<'a> StressLoads<'a> {
             [
                 ("signed", self.to_floor(load, StopRule::Signed, bound)),
                 ("strict", self.to_floor(load, StopRule::PrintedDual, bound)),
-                ("multigrid", StressJob::Multigrid { grid, load: load.clone(), goal, start: None }),
+                ("multigrid", StressJob::Multigrid { grid, load: load.clone(), goal }),
             ]
         });
         of_problem(&loads.name, pending)
@@ -170,7 +165,7 @@ impl<'a> StressLoads<'a> {
     fn floor(&self, cells: usize) -> Vec<StressRun> {
         let grid = Grid::new(cells).expect("not below the least");
         let load = quadrants(grid, -1.0, self.plan.deficit);
-        let floor = multigrid_trial(grid, &load, Goal::RoundingFloor, None);
+        let floor = multigrid_trial(grid, &load, Goal::RoundingFloor);
         let mut runs = vec![run("floors", cells as f64, "multigrid").ended(floor)];
         if cells <= FINEST_SADDLE {
             let job = Job {
@@ -191,7 +186,6 @@ impl<'a> StressLoads<'a> {
 
     fn starts(&self) -> Vec<Pending> {
         let coarse = quadrants(self.coarse, -1.0, self.plan.deficit);
-        let fine = quadrants(self.fine, -1.0, self.plan.deficit);
         let starts: [(&str, StartValue); 9] = [
             ("zero", |_, _, _| 0.0),
             ("constant 1e10", |_, _, _| 1e10),
@@ -206,15 +200,9 @@ impl<'a> StressLoads<'a> {
         let mut pending = Vec::new();
         for (name, value) in starts {
             let pair = Pair { y: start(self.coarse, value), ..Pair::zero(self.coarse) };
-            let jobs = [
-                ("strict", self.strict(&coarse, R, pair)),
-                ("multigrid", self.multigrid(&fine, Some(start(self.fine, value)))),
-            ];
-            for (method, job) in jobs {
-                let (series, start) = ("starts", Some(name));
-                let run = StressRun { series, start, method, ..StressRun::default() };
-                pending.push(Pending { run, job });
-            }
+            let (series, start, method) = ("starts", Some(name), "strict");
+            let run = StressRun { series, start, method, ..StressRun::default() };
+            pending.push(Pending { run, job: self.strict(&coarse, R, pair) });
         }
         pending
     }
@@ -242,7 +230,7 @@ impl<'a> StressLoads<'a> {
     ) -> Vec<Pending> {
         over(series, 0..=15, |size| {
             let load = nodal_load(self.fine.cells(), Some(0.1), |x, y| f(x, y, size));
-            [("multigrid", self.multigrid(&load, None))]
+            [("multigrid", self.multigrid(&load))]
         })
     }
 }

@@ -99,7 +99,7 @@ impl TimedGoal {
             Self::ActiveSet => active_set(grid.cells(), Law::SIGNORINI, load).ok().map(|(y, _)| y),
             Self::Multigrid(goal) => {
                 let loaded = Law::SIGNORINI.with_load(load);
-                solve_square(grid.cells(), loaded, None, &goal.params()).ok().map(|(y, _)| y)
+                solve_square(grid.cells(), loaded, &goal.params()).ok().map(|(y, _)| y)
             }
         }
     }

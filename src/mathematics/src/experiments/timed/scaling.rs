@@ -41,7 +41,7 @@ impl Workspace {
     /// Solves; returns work units and traffic.
     fn solve(&mut self, goal: MultigridGoal) -> Result<[f64; 2], InputError> {
         let problem = Law::SIGNORINI.with_load(&self.load);
-        let end = self.multigrid.solve(problem, None, &goal.params())?;
+        let end = self.multigrid.solve(problem, &goal.params())?;
         // A caller waits for the solution in the order of the load.
         self.multigrid.write_solution(&mut self.y);
         Ok([end.work_units, self.multigrid.traffic()])

@@ -67,9 +67,8 @@ impl Bounded {
         exact: &[f64],
     ) -> Result<Self, String> {
         let params = MultigridParams::default();
-        let (y, _) =
-            multigrid::solve_square(grid.cells(), Law::SIGNORINI.with_load(load), None, &params)
-                .map_err(|e| e.to_string())?;
+        let (y, _) = multigrid::solve_square(grid.cells(), Law::SIGNORINI.with_load(load), &params)
+            .map_err(|e| e.to_string())?;
         let bounds = bounds(grid, &known.f(), Law::SIGNORINI, &y).map_err(|e| e.to_string())?;
         Ok(Self { error: known.h1_error(grid, &y, exact), y, bounds })
     }

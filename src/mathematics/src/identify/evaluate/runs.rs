@@ -5,7 +5,7 @@ use crate::discrete::norms::largest;
 use crate::identify::moves::MOST_ITERATIONS;
 use crate::machine::threads::map_with_room;
 use crate::problem::law::Law;
-use crate::saddle::batch::{LANES, LaneEngine};
+use crate::saddle::batch::LANES;
 use crate::saddle::{Engine, Method, NestedGrids, Pair, RunStart, run_nested, tolerance};
 use std::array::from_fn;
 use std::convert::Infallible;

@@ -23,7 +23,6 @@ pub(super) struct Sections {
 impl Sections {
     /// Mesh in space if there are tetrahedra, else in the plane, of sections with cells.
     pub(super) fn mesh(self) -> Result<AnyMesh, GmshError> {
-        self.check_partitions()?;
         match self.elements.tetrahedra.is_empty() {
             true => Ok(AnyMesh::Plane(self.plane_mesh()?)),
             false => Ok(AnyMesh::Space(self.space_mesh()?)),
@@ -57,19 +56,6 @@ impl Sections {
     /// True if the file tells of a group of this dimension.
     fn has_group(&self, dimension: i64) -> bool {
         self.names.select(dimension).next().is_some() || self.entities.has_group(dimension)
-    }
-
-    /// True if a cell is in no group.
-    pub(super) fn has_cell_without_group(&self) -> bool {
-        let elements = &self.elements;
-        let FileElements { triangles, quadrangles, tetrahedra, .. } = elements;
-        match tetrahedra.is_empty() {
-            true => {
-                triangles.iter().any(|cell| !elements.is_in_group(cell))
-                    || quadrangles.iter().any(|cell| !elements.is_in_group(cell))
-            }
-            false => tetrahedra.iter().any(|cell| !elements.is_in_group(cell)),
-        }
     }
 
     fn plane_mesh(self) -> Result<PlaneMesh, GmshError> {

@@ -4,7 +4,6 @@ use super::error::{Fault, GmshError};
 use super::groups::{Entities, GroupSets};
 use super::nodes::{FileNodes, blocks, entity};
 use super::scanner::{Scanner, Version};
-use std::collections::BTreeSet;
 
 /// Line, triangle, quadrangle or tetrahedron, by its corners.
 pub(super) struct FileElement<const K: usize> {
@@ -51,10 +50,6 @@ pub(super) struct FileElements {
     pub(super) of_higher_order: [usize; 4],
     /// Number of triangles written as quadrangles with a node twice.
     pub(super) collapsed: usize,
-    /// Partitions that own elements, by dimension.
-    pub(super) partitions: [BTreeSet<u64>; 4],
-    /// Partitions to which elements belong as ghosts, in version 2.
-    pub(super) ghosts: BTreeSet<u64>,
     /// Number of points, which mean nothing.
     points: usize,
 }
@@ -158,21 +153,17 @@ impl FileElements {
         head: ElementHead,
         numbers: i64,
     ) -> Result<(), GmshError> {
-        let (mut group, mut partition) = (0, 0);
+        let mut group = 0;
         for k in 0..numbers {
             let number = scanner.whole()?.unsigned_abs();
             match k {
                 0 => group = number,
-                3 => partition = number,
-                4.. => _ = self.ghosts.insert(number),
+                3.. if number != 0 => return Err(scanner.fault(Fault::Partitioned)),
                 _ => (),
             }
         }
         let groups = self.sets.position(&[group]);
-        let shape = self.add(scanner, nodes, ElementHead { groups, ..head })?;
-        if partition != 0 {
-            self.partitions[shape.dimension()].insert(partition);
-        }
+        self.add(scanner, nodes, ElementHead { groups, ..head })?;
         Ok(())
     }
 
@@ -187,9 +178,6 @@ impl FileElements {
             let (dimension, entity) = entity(scanner)?;
             let (number_of_type, count) = (scanner.whole()?, scanner.count()?);
             let groups = self.sets.position(entities.groups(dimension, entity));
-            if let (Some(owned), true) = (self.partitions.get_mut(dimension as usize), count > 0) {
-                owned.extend(entities.partitions_of(dimension, entity));
-            }
             for _ in 0..count {
                 let head = ElementHead { tag: scanner.tag()?, number_of_type, groups };
                 let shape = self.add(scanner, nodes, head)?;

@@ -40,14 +40,6 @@ pub(super) enum GmshError {
         /// Option that makes them.
         option: &'static str,
     },
-    /// Some partitions of several.
-    #[error("the file has {found} of {all} partitions; save the mesh in one file")]
-    Partitions {
-        /// Number of partitions in the file.
-        found: usize,
-        /// Number of all, as far as the file tells.
-        all: String,
-    },
     /// A quadrangle with its corners in an order that is not that around it.
     #[error(
         "element {0} is a quadrangle whose sides cross: name its corners in their order around it"
@@ -158,6 +150,9 @@ pub(super) enum Fault {
     /// Sizes of binary numbers that are not read.
     #[error("numbers of {0} bytes are not read, only of 8; save the mesh as text")]
     NumberSize(i64),
+    /// Partitions, of which a file may have some alone.
+    #[error("a partitioned mesh is not read; unite its partitions in Gmsh, and save it again")]
+    Partitioned,
     /// Elements before what they need.
     #[error("${0} has to stand before $Elements; save the mesh again")]
     Order(&'static str),
@@ -213,120 +208,111 @@ mod tests {
     use crate::mesh::gmsh::read;
     use crate::mesh::gmsh::tests::{SQUARE_22, SQUARE_41, after};
 
-    #[test]
-    fn broken_sections_are_named_with_the_line() {
-        for (from, to, message) in [
-            (
-                "$Mesh",
-                "Mesh",
-                "the file does not begin with $MeshFormat; save the mesh with Gmsh as .msh, or convert it with `meshio \
+    /// Changes of the square, each with its refusal.
+    const BROKEN: [(&str, &str, &str); 21] = [
+        (
+            "$Mesh",
+            "Mesh",
+            "the file does not begin with $MeshFormat; save the mesh with Gmsh as .msh, or convert it with `meshio \
                  convert FILE mesh.msh --output-format gmsh22`",
-            ),
-            (
-                "2.2 0",
-                "3.0 0",
-                "$MeshFormat, line 2: version 3.0 of the format is not read; save with `Mesh.MshFileVersion = 4.1`",
-            ),
-            (
-                "2.2 0 8",
-                "2.2 2 8",
-                "$MeshFormat, line 2: `2` stands in the place of 0 for text or 1 for a binary file",
-            ),
-            (
-                "2.2 0 8",
-                "2.2 1 4",
-                "$MeshFormat, line 2: numbers of 4 bytes are not read, only of 8; save the mesh as text",
-            ),
-            (
-                "2.2 0 8",
-                "2.2 1 8",
-                "$MeshFormat, line 3: the number 1 that tells the order of bytes is missing; save the mesh again",
-            ),
-            ("13 1 1 0", "13 1 1,5 0", "$Nodes, line 13: `1,5` stands in the place of a number"),
-            (
-                "13 1 1 0",
-                "13 1 1e999 0",
-                "$Nodes, line 13: `inf` stands in the place of a finite number",
-            ),
-            (
-                "13 1 1 0",
-                "12 1 1 0",
-                "$Nodes, line 13: node 12 is there twice; renumber the nodes of the mesh",
-            ),
-            (
-                "14 0 1 0\n",
-                "",
-                "$Nodes, line 14: `$EndNodes` stands in the place of a number; the section ends too soon",
-            ),
-            ("$Nodes\n4", "$Nodes\n3", "$Nodes, line 14: `14` stands in the place of $EndNodes"),
-            (
-                "$Nodes\n4",
-                "$Nodes\n-1",
-                "$Nodes, line 10: `-1` stands in the place of a whole number from 0 on",
-            ),
-            (
-                "13 14\n$EndElements\n",
-                "13",
-                "$Elements, line 21: the file ends too soon; save the mesh again",
-            ),
-            (
-                "23 2 2 2 1 11 12 13",
-                "23 2 2 2 1 11 12 15",
-                "$Elements, line 20: element 23 names node 15, which is not in the mesh",
-            ),
-            (
-                "$EndElements\n",
-                "$EndElements\n$Nodes\n1\n11 0 0 0\n$EndNodes",
-                "$Nodes, line 25: node 11 is there twice; renumber the nodes of the mesh",
-            ),
-            (
-                "$Nodes\n4",
-                "$Elements\n0\n$EndElements\n$Nodes\n4",
-                "$Elements, line 9: $Nodes has to stand before $Elements; save the mesh again",
-            ),
-            (
-                "$Elements\n",
-                "more text that is in no section\n$Elements\n",
-                "$Nodes, line 16: `more` stands in the place of $ and the name of a section",
-            ),
-            (
-                "$Elements\n",
-                "$Other\n",
-                "$Other, line 16: the file ends too soon; save the mesh again",
-            ),
-        ] {
-            assert_eq!(after(SQUARE_22, from, to), message);
-        }
-    }
+        ),
+        (
+            "2.2 0",
+            "3.0 0",
+            "$MeshFormat, line 2: version 3.0 of the format is not read; save with `Mesh.MshFileVersion = 4.1`",
+        ),
+        (
+            "2.2 0 8",
+            "2.2 2 8",
+            "$MeshFormat, line 2: `2` stands in the place of 0 for text or 1 for a binary file",
+        ),
+        (
+            "2.2 0 8",
+            "2.2 1 4",
+            "$MeshFormat, line 2: numbers of 4 bytes are not read, only of 8; save the mesh as text",
+        ),
+        (
+            "2.2 0 8",
+            "2.2 1 8",
+            "$MeshFormat, line 3: the number 1 that tells the order of bytes is missing; save the mesh again",
+        ),
+        ("13 1 1 0", "13 1 1,5 0", "$Nodes, line 13: `1,5` stands in the place of a number"),
+        (
+            "13 1 1 0",
+            "13 1 1e999 0",
+            "$Nodes, line 13: `inf` stands in the place of a finite number",
+        ),
+        (
+            "13 1 1 0",
+            "12 1 1 0",
+            "$Nodes, line 13: node 12 is there twice; renumber the nodes of the mesh",
+        ),
+        (
+            "14 0 1 0\n",
+            "",
+            "$Nodes, line 14: `$EndNodes` stands in the place of a number; the section ends too soon",
+        ),
+        ("$Nodes\n4", "$Nodes\n3", "$Nodes, line 14: `14` stands in the place of $EndNodes"),
+        (
+            "$Nodes\n4",
+            "$Nodes\n-1",
+            "$Nodes, line 10: `-1` stands in the place of a whole number from 0 on",
+        ),
+        (
+            "13 14\n$EndElements\n",
+            "13",
+            "$Elements, line 21: the file ends too soon; save the mesh again",
+        ),
+        (
+            "23 2 2 2 1 11 12 13",
+            "23 2 2 2 1 11 12 15",
+            "$Elements, line 20: element 23 names node 15, which is not in the mesh",
+        ),
+        (
+            "$EndElements\n",
+            "$EndElements\n$Nodes\n1\n11 0 0 0\n$EndNodes",
+            "$Nodes, line 25: node 11 is there twice; renumber the nodes of the mesh",
+        ),
+        (
+            "$Nodes\n4",
+            "$Elements\n0\n$EndElements\n$Nodes\n4",
+            "$Elements, line 9: $Nodes has to stand before $Elements; save the mesh again",
+        ),
+        (
+            "$Elements\n",
+            "more text that is in no section\n$Elements\n",
+            "$Nodes, line 16: `more` stands in the place of $ and the name of a section",
+        ),
+        ("$Elements\n", "$Other\n", "$Other, line 16: the file ends too soon; save the mesh again"),
+        (
+            "\"south\"",
+            "south",
+            "$PhysicalNames, line 6: the name of group 1 is not one to 127 printed letters in quotes; change the \
+                 name",
+        ),
+        (
+            "1 1 \"south\"",
+            "1 \"south\"",
+            "$PhysicalNames, line 6: names of groups without a dimension are not read; open the file in Gmsh, and \
+                 save it again",
+        ),
+        (
+            "1 1 \"south\"",
+            "1\"south\"",
+            "$PhysicalNames, line 6: names of groups without a dimension are not read; open the file in Gmsh, and \
+                 save it again",
+        ),
+        (
+            "$Nodes\n4",
+            "$ParametricNodes\n4",
+            "$ParametricNodes, line 9: nodes with parameters are not read in version 2; save with \
+                 `Mesh.MshFileVersion = 4.1`",
+        ),
+    ];
 
     #[test]
-    fn what_stands_otherwise_in_version_2_is_refused_with_its_line() {
-        for (from, to, message) in [
-            (
-                "\"south\"",
-                "south",
-                "$PhysicalNames, line 6: the name of group 1 is not one to 127 printed letters in quotes; change the \
-                 name",
-            ),
-            (
-                "1 1 \"south\"",
-                "1 \"south\"",
-                "$PhysicalNames, line 6: names of groups without a dimension are not read; open the file in Gmsh, and \
-                 save it again",
-            ),
-            (
-                "1 1 \"south\"",
-                "1\"south\"",
-                "$PhysicalNames, line 6: names of groups without a dimension are not read; open the file in Gmsh, and \
-                 save it again",
-            ),
-            (
-                "$Nodes\n4",
-                "$ParametricNodes\n4",
-                "$ParametricNodes, line 9: nodes with parameters are not read in version 2; save with \
-                 `Mesh.MshFileVersion = 4.1`",
-            ),
-        ] {
+    fn broken_sections_are_named_with_the_line() {
+        for (from, to, message) in BROKEN {
             assert_eq!(after(SQUARE_22, from, to), message);
         }
     }

@@ -87,58 +87,14 @@ impl GroupSets {
     }
 }
 
-/// Entities, which are points, curves, surfaces and volumes of the geometry, by dimension and number.
+/// Groups of the entities, which are points, curves, surfaces and volumes of the geometry, by dimension and number.
 #[derive(Default)]
-pub(super) struct Entities(HashMap<(i64, i64), Entity>);
-
-#[derive(Default)]
-struct Entity {
-    groups: Vec<u64>,
-    /// Partitions that own its elements; none if the mesh is not partitioned.
-    partitions: Vec<u64>,
-}
-
-/// Words between the number of an entity and its place.
-#[derive(Default)]
-struct EntityOrigin {
-    /// Entity whose groups it has too.
-    parent: Option<(i64, i64)>,
-    partitions: Vec<u64>,
-}
+pub(super) struct Entities(HashMap<(i64, i64), Vec<u64>>);
 
 impl Entities {
     /// Adds the entities of a section `$Entities`.
     pub(super) fn read(&mut self, scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
         scanner.begin_bytes()?;
-        self.read_all(scanner, |_, _| Ok(EntityOrigin::default()))
-    }
-
-    /// Adds the entities of a section `$PartitionedEntities`: parts of others, whose groups they have besides their
-    /// own.
-    pub(super) fn read_partitioned(&mut self, scanner: &mut Scanner<'_>) -> Result<(), GmshError> {
-        scanner.begin_bytes()?;
-        let _partitions = scanner.count()?;
-        for _ in 0..scanner.count()? {
-            let (_ghost, _partition) = (scanner.whole()?, scanner.whole()?);
-        }
-        self.read_all(scanner, |scanner, dimension| {
-            let parent = (scanner.whole()?, scanner.whole()?);
-            let mut partitions = Vec::new();
-            for _ in 0..scanner.count()? {
-                partitions.push(scanner.whole()?.unsigned_abs());
-            }
-            // What lies between two parts of a surface is a curve with this surface as its parent.
-            let parent = (parent.0 == dimension).then_some(parent);
-            Ok(EntityOrigin { parent, partitions })
-        })
-    }
-
-    /// Adds entities of all dimensions; `origin` reads what follows the number of an entity.
-    fn read_all(
-        &mut self,
-        scanner: &mut Scanner<'_>,
-        origin: impl Fn(&mut Scanner<'_>, i64) -> Result<EntityOrigin, GmshError>,
-    ) -> Result<(), GmshError> {
         let mut counts = [0; 4];
         for count in &mut counts {
             *count = scanner.count()?;
@@ -146,19 +102,17 @@ impl Entities {
         for (dimension, count) in (0..).zip(counts) {
             for _ in 0..count {
                 let entity = scanner.whole()?;
-                let EntityOrigin { parent, partitions } = origin(scanner, dimension)?;
-                let mut groups =
-                    parent.map_or(&[][..], |(of, entity)| self.groups(of, entity)).to_vec();
                 // A point, or the corners of a box, which version 4.0 has for points too.
                 let is_point = dimension == 0 && scanner.version == Version::FourOne;
                 let reals = if is_point { 3 } else { 6 };
                 for _ in 0..reals {
                     scanner.real()?;
                 }
+                let mut groups = Vec::new();
                 for _ in 0..scanner.count()? {
                     groups.push(scanner.whole()?.unsigned_abs());
                 }
-                self.0.insert((dimension, entity), Entity { groups, partitions });
+                self.0.insert((dimension, entity), groups);
                 let boundary = if dimension == 0 { 0 } else { scanner.count()? };
                 for _ in 0..boundary {
                     scanner.whole()?;
@@ -175,19 +129,7 @@ impl Entities {
 
     /// Groups of an entity.
     pub(super) fn groups(&self, dimension: i64, entity: i64) -> &[u64] {
-        self.0.get(&(dimension, entity)).map_or(&[], |entity| &entity.groups)
-    }
-
-    /// Partitions that own the elements of an entity.
-    pub(super) fn partitions_of(&self, dimension: i64, entity: i64) -> &[u64] {
-        self.0.get(&(dimension, entity)).map_or(&[], |entity| &entity.partitions)
-    }
-
-    /// Partitions that own entities of a dimension, all of them or those in groups.
-    pub(super) fn partitions(&self, dimension: i64, only_in_groups: bool) -> BTreeSet<u64> {
-        let found = self.of(dimension);
-        let found = found.filter(|entity| !only_in_groups || !entity.groups.is_empty());
-        found.flat_map(|entity| entity.partitions.iter().copied()).collect()
+        self.0.get(&(dimension, entity)).map_or(&[], |groups| groups)
     }
 
     /// True if there is an entity of this dimension.
@@ -197,10 +139,10 @@ impl Entities {
 
     /// True if an entity of this dimension is in a group.
     pub(super) fn has_group(&self, dimension: i64) -> bool {
-        self.of(dimension).any(|entity| !entity.groups.is_empty())
+        self.of(dimension).any(|groups| !groups.is_empty())
     }
 
-    fn of(&self, dimension: i64) -> impl Iterator<Item = &Entity> {
-        self.0.iter().filter(move |(key, _)| key.0 == dimension).map(|(_, entity)| entity)
+    fn of(&self, dimension: i64) -> impl Iterator<Item = &Vec<u64>> {
+        self.0.iter().filter(move |(key, _)| key.0 == dimension).map(|(_, groups)| groups)
     }
 }

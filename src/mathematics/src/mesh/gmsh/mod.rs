@@ -1,9 +1,8 @@
 //! Meshes of [Gmsh](https://gmsh.info), from files of the versions 2.0 to 2.2, 4.0 and 4.1, in text and in bytes.
 //!
 //! Triangles and tetrahedra are read, those of higher order by their corners, and quadrangles, which a diagonal cuts;
-//! physical groups name regions and parts of the boundary. Sections may be repeated, and a mesh may be partitioned, if
-//! one file has all partitions. The reader is our own because the crate `mshio` reads version 4.1 only, and has had no
-//! release for years.
+//! physical groups name regions and parts of the boundary. Sections may be repeated. The reader is our own because the
+//! crate `mshio` reads version 4.1 only, and has had no release for years.
 
 mod build;
 mod elements;
@@ -12,7 +11,6 @@ mod groups;
 mod labels;
 mod nodes;
 mod other_file;
-mod partitions;
 mod plane;
 mod quadrangles;
 mod scanner;
@@ -47,14 +45,12 @@ fn read_mesh(bytes: &[u8]) -> Result<AnyMesh, GmshError> {
         let has_entities = scanner.version != Version::Two;
         match section {
             "PhysicalNames" => names.read(&mut scanner)?,
-            "Entities" | "PartitionedEntities" if has_entities => {
+            "PartitionedEntities" => return Err(scanner.fault(Fault::Partitioned)),
+            "Entities" if has_entities => {
                 if elements.is_some() && entities.is_empty() {
                     return Err(scanner.fault(Fault::Order("Entities")));
                 }
-                match section {
-                    "Entities" => entities.read(&mut scanner)?,
-                    _ => entities.read_partitioned(&mut scanner)?,
-                }
+                entities.read(&mut scanner)?;
             }
             "ParametricNodes" if !has_entities => return Err(scanner.fault(Fault::Parametric)),
             "Nodes" => nodes.get_or_insert_with(FileNodes::default).read(&mut scanner)?,
@@ -274,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn old_versions_partitions_and_repeated_sections_change_nothing() {
+    fn old_versions_and_repeated_sections_change_nothing() {
         let square = plane(SQUARE_22.as_bytes());
         for version in ["2", "2.0", "2.1"] {
             let text = SQUARE_22.replace("2.2 0 8", &format!("{version} 0 8"));
@@ -290,21 +286,18 @@ mod tests {
         );
         assert_eq!(plane(text.as_bytes()), square);
 
-        let partitioned = SQUARE_22
-            .replace("23 2 2 2 1 11", "23 2 4 2 1 1 1 11")
-            .replace("24 2 2 2 1 11", "24 2 5 2 1 2 2 -1 11");
-        assert_eq!(plane(partitioned.as_bytes()), square);
-        let partitioned = SQUARE_41
-            .replace(
-                "$EndEntities\n",
-                "$EndEntities\n$PartitionedEntities\n2\n1\n10 1\n0 1 2 0\n7 1 5 1 1 0 0 0 1 0 0 0 0\n\
-                 8 2 6 2 1 2 0 0 0 1 1 0 0 1 7\n9 2 6 1 2 0 0 0 1 1 0 0 0\n$EndPartitionedEntities\n",
-            )
-            .replace("$Elements\n3 4", "$Elements\n4 4")
-            .replace("1 5 1 1\n", "1 7 1 1\n")
-            .replace("2 6 2 2\n23 11 12 13\n", "2 8 2 1\n23 11 12 13\n2 9 2 1\n");
-        let partitioned = format!("{partitioned}$GhostElements\n1\n24 2 1 1\n$EndGhostElements\n");
-        assert_eq!(plane(partitioned.as_bytes()), square);
+        let refused =
+            "a partitioned mesh is not read; unite its partitions in Gmsh, and save it again";
+        let partitioned = SQUARE_22.replace("24 2 2 2 1 11", "24 2 4 2 1 1 2 11");
+        assert_eq!(
+            read(partitioned.as_bytes()).unwrap_err(),
+            format!("$Elements, line 21: {refused}")
+        );
+        let partitioned = SQUARE_41.replace(
+            "$EndEntities\n",
+            "$EndEntities\n$PartitionedEntities\n2\n0\n0 0 0 0\n$EndPartitionedEntities\n",
+        );
+        assert!(read(partitioned.as_bytes()).unwrap_err().ends_with(refused));
 
         let repeated = SQUARE_22
             .replace(

@@ -123,8 +123,11 @@ impl Lanes {
         }
     }
 
-    /// Puts a run into a lane.
-    pub(super) fn take(&mut self, lane: usize, law: Law, run: &RunStart<'_>) {
+    /// Puts a run into a lane, under this law.
+    ///
+    /// # Panics
+    /// If a vector has the wrong length for the grid, or r is not positive.
+    pub(crate) fn enter(&mut self, lane: usize, law: Law, run: &RunStart<'_>) {
         let &RunStart { r, load, method, pair: start } = run;
         self.laws.set(lane, law);
         let weight = method.weight();

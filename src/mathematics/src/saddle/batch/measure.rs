@@ -1,21 +1,15 @@
 //! The lanes as an engine: measures of the iterates, node by node in all lanes at once.
 
+use super::LANES;
 use super::arithmetic::V;
 use super::lanes::{LaneEdge, Lanes};
-use super::{LANES, LaneEngine};
 use crate::discrete::norms::worst;
 use crate::machine::simd::vectorised;
-use crate::problem::law::Law;
+
 use crate::saddle::stopping::{GradientTerms, RoundingFloor};
-use crate::saddle::{Engine, GradientMeasure, Pair, RunStart};
+use crate::saddle::{Engine, GradientMeasure, Pair};
 use std::array::from_fn;
 use std::borrow::Cow;
-
-impl LaneEngine for Lanes {
-    fn enter(&mut self, lane: usize, law: Law, run: &RunStart<'_>) {
-        self.take(lane, law, run);
-    }
-}
 
 impl Engine<LANES> for Lanes {
     fn sweep(&mut self) {

@@ -1,18 +1,17 @@
 //! Every engine gives the same numbers to the last bit.
 
 use super::*;
+use crate::discrete::grid::nested;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::network::Network;
-use crate::mesh::{
-    Condition, Facet, MeshData, Names, Part, lattice_mesh, mesh_load, nested_meshes,
-};
+use crate::discrete::transfer::Prolongation;
 use crate::problem::source::Source;
 use crate::saddle::{self, GradientMeasure, Params, arrow_hurwicz, solve, solve_nested};
 
 fn setting() -> (Grid, Vec<f64>, Pair) {
     let grid = Grid::new(16).unwrap();
     let f = "quadrant(ll)=-6; else=1.998".parse().unwrap();
-    (grid, load(grid, &f, LoadRule::LumpedAverage {}), Pair::zero(grid))
+    (grid, load(grid, &f, LoadRule::Bilinear {}), Pair::zero(grid))
 }
 
 fn laws() -> [Law; 2] {
@@ -20,8 +19,8 @@ fn laws() -> [Law; 2] {
 }
 
 /// Fails unless each run in lanes has the end and the last pair that it has alone.
-fn compare_with_runs_alone(domain: DiscreteDomain<'_>, load: &[f64]) {
-    let start = Pair::zero(domain);
+fn compare_with_runs_alone(grid: Grid, load: &[f64]) {
+    let start = Pair::zero(grid);
     let rules = StopRule::ALL;
     let all = || [0.3, 1.0, 5.0, 1e6].iter().flat_map(|&r| rules.map(|rule| (r, rule)));
     let mut jobs = Vec::new();
@@ -30,21 +29,21 @@ fn compare_with_runs_alone(domain: DiscreteDomain<'_>, load: &[f64]) {
         let (method, goal) = (Method::ArrowHurwicz, JobGoal::Rule(rule, 1e-4));
         jobs.push(Job { law, load, start: &start, method, r, goal, cap: 1000 });
     }
-    for (job, (ours, last)) in jobs.iter().zip(run(domain, &jobs)) {
+    for (job, (ours, last)) in jobs.iter().zip(run(grid, &jobs)) {
         let JobGoal::Rule(rule, tolerance) = job.goal else { unreachable!() };
         let params =
             Params { r: job.r, rule, tolerance, max_iterations: 1000, ..Params::default() };
         let mut pair = start.clone();
-        let theirs = arrow_hurwicz(domain, job.law.with_load(load), &params, &mut pair);
+        let theirs = arrow_hurwicz(grid, job.law.with_load(load), &params, &mut pair);
         assert_eq!((ours, &last), (theirs.end, &pair), "{job:?}");
-        assert_eq!(run(domain, &[*job]), [(ours, last)]);
+        assert_eq!(run(grid, &[*job]), [(ours, last)]);
     }
 }
 
 #[test]
 fn each_lane_is_arrow_hurwicz_to_the_last_bit() {
     let (grid, load, start) = setting();
-    compare_with_runs_alone(grid.into(), &load);
+    compare_with_runs_alone(grid, &load);
     let (law, method, goal) = (laws()[1], Method::ArrowHurwicz, JobGoal::Kkt(1e-3));
     let job = Job { law, load: &load, start: &start, method, r: 3.0, goal, cap: 1000 };
     let (end, last) = &run(grid, &[job])[0];
@@ -53,25 +52,11 @@ fn each_lane_is_arrow_hurwicz_to_the_last_bit() {
 }
 
 #[test]
-fn and_on_networks() {
-    // Two fixed nodes, two without a condition on the boundary, and weights of all sizes.
-    let data = MeshData {
-        facets: vec![
-            Facet { nodes: [0, 1], part: 0 },
-            Facet { nodes: [1, 2], part: 1 },
-            Facet { nodes: [2, 3], part: 1 },
-        ],
-        parts: [("fixed", Condition::Fixed), ("free", Condition::Free)].map(part).into(),
-        ..uneven_square()
-    };
-    let nested = nested_meshes(&data.mesh().unwrap(), 2).unwrap();
+fn and_over_nested_grids() {
     let f: Source = "quadrant(ll)=-6; else=1.998".parse().unwrap();
-    let loads: Vec<_> =
-        nested.meshes.iter().map(|mesh| mesh_load(mesh, &f).unwrap().load).collect();
-    for (level, load) in nested.networks.iter().zip(&loads) {
-        compare_with_runs_alone((&level.network).into(), load);
-    }
-    let levels = &nested.networks[..];
+    let grids = nested(&[4, 8, 16]).unwrap();
+    let loads: Vec<_> = grids.iter().map(|&grid| load(grid, &f, LoadRule::Bilinear {})).collect();
+    let levels = &NestedGrids { grids: &grids, prolongation: Prolongation::default() };
     let mut jobs = Vec::new();
     for (law, rule) in laws().into_iter().flat_map(|law| StopRule::ALL.map(|rule| (law, rule))) {
         jobs.extend([0.5, 10.0].map(|r| NestedJob { law, loads: &loads, r, rule }));
@@ -84,15 +69,6 @@ fn and_on_networks() {
     }
 }
 
-fn part((name, condition): (&str, Condition)) -> Part<2> {
-    Part { names: Names::from(name), condition, curve: None }
-}
-
-fn uneven_square() -> MeshData<2, 3> {
-    let mesh = lattice_mesh(&[-0.5, -0.4, 0.1, 0.5]);
-    MeshData { points: mesh.points, cells: mesh.cells, ..MeshData::default() }
-}
-
 #[test]
 fn all_engines_have_the_same_pairs_and_measures_to_the_last_bit() {
     let (grid, load, start) = setting();
@@ -101,32 +77,28 @@ fn all_engines_have_the_same_pairs_and_measures_to_the_last_bit() {
         let run = RunStart { load: &load, method: Method::ArrowHurwicz, r: 3.0, pair: &start };
         let (mut square, mut definition) =
             (saddle::engine(grid, law, &run), saddle::engine(&network, law, &run));
-        let mut all_lanes = [lanes(grid), lanes(&network)];
-        all_lanes.iter_mut().for_each(|lanes| lanes.enter(5, law, &run));
+        let mut lanes = Lanes::new(grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
+        lanes.enter(5, law, &run);
         for _ in 0..20 {
             square.sweep();
             definition.sweep();
-            all_lanes.iter_mut().for_each(|lanes| lanes.sweep());
+            lanes.sweep();
             let change = square.dual_step([true])[0];
             assert_eq!(definition.dual_step([true]), [change]);
-            for lanes in &mut all_lanes {
-                assert_eq!(lanes.dual_step([true; LANES])[5], change);
-            }
+            assert_eq!(lanes.dual_step([true; LANES])[5], change);
             for measure in GradientMeasure::ALL {
                 let worst = square.worst(measure)[0];
                 assert_eq!(definition.worst(measure), [worst], "{measure:?}");
-                for lanes in &mut all_lanes {
-                    assert_eq!(lanes.worst(measure)[5], worst, "{measure:?}");
-                    assert!(lanes.within(measure, [Some(worst); LANES])[5]);
-                    let below = [Some(worst - 1e-9); LANES];
-                    assert!(!lanes.within(measure, below)[5], "{measure:?}");
-                }
+                assert_eq!(lanes.worst(measure)[5], worst, "{measure:?}");
+                assert!(lanes.within(measure, [Some(worst); LANES])[5]);
+                let below = [Some(worst - 1e-9); LANES];
+                assert!(!lanes.within(measure, below)[5], "{measure:?}");
                 assert_eq!(square.within(measure, [Some(worst)]), [true]);
                 assert_eq!(definition.within(measure, [Some(worst)]), [true]);
             }
         }
         assert_eq!(square.pair(0), definition.pair(0));
-        assert!(all_lanes.iter().all(|lanes| lanes.pair(5) == square.pair(0)));
+        assert_eq!(lanes.pair(5), square.pair(0));
     }
 }
 

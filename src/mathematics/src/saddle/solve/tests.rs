@@ -11,7 +11,7 @@ const PROBLEMS: [&str; 2] = ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; el
 
 fn setting(f: &str) -> (Grid, Vec<f64>) {
     let grid = Grid::new(16).unwrap();
-    (grid, load(grid, &f.parse().unwrap(), LoadRule::LumpedAverage {}))
+    (grid, load(grid, &f.parse().unwrap(), LoadRule::Bilinear {}))
 }
 
 fn tight(r: f64) -> Params {

@@ -264,12 +264,14 @@ pub(in crate::spectral) fn remove(ring: &mut RingContact, number: usize, is_gap:
     }
 }
 
-/// Moves ends that lie in a corner, but for little, out of it; into it if the law ends there.
+/// Moves ends that lie in a corner, but for little, out of it; into it if the law ends there. An arc round a corner
+/// that is shorter than both moves stays.
 fn keep_off_corners(setup: &Setup, contact: &mut [RingContact]) {
     for (own, ring) in contact.iter_mut().zip(&setup.rings) {
         let least = 1e-7 * setup.perimeter;
         let turn = ring.length();
-        for (which, t) in own.arcs.iter_mut().flat_map(|arc| arc.iter_mut().enumerate()) {
+        let arcs = own.arcs.iter_mut().filter(|[from, to]| to - from > 2.0 * least);
+        for (which, t) in arcs.flat_map(|arc| arc.iter_mut().enumerate()) {
             for corner in ring.corners() {
                 let after = (*t - corner + 0.5 * turn).rem_euclid(turn) - 0.5 * turn;
                 if after.abs() >= least || ring.sides.len() == 1 {
@@ -295,21 +297,38 @@ fn keep_off_corners(setup: &Setup, contact: &mut [RingContact]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Condition;
     use crate::problem::law::Law;
-    use crate::spectral::geometry::domain::{PlaneDomain, PlaneSide};
+    use crate::spectral::geometry::polygons::square;
     use crate::spectral::problem::PlaneProblem;
     use crate::spectral::source::PlaneSource;
 
-    #[test]
-    fn what_shrinks_is_left_out_but_for_arcs_between_both_signs_and_gaps_with_an_end_at_rest() {
-        let points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        let side =
-            |k: usize| PlaneSide::segment([points[k], points[(k + 1) % 4]], Condition::Contact, 0);
-        let domain = PlaneDomain::new(vec![(0..4).map(side).collect()]).unwrap();
+    /// Unit square in contact, with friction and f = -1.
+    fn square_with_friction() -> Setup {
+        let domain = square();
         let source = PlaneSource::Pieces("else=-1".parse().unwrap());
         let law = Law::friction(1.0).unwrap();
-        let setup = Setup::new(&PlaneProblem { domain, law, source }).unwrap();
+        Setup::new(&PlaneProblem { domain, law, source }).unwrap()
+    }
+
+    #[test]
+    fn ends_leave_corners_and_arcs_keep_their_direction() {
+        let setup = square_with_friction();
+        let least = 1e-7 * setup.perimeter;
+        for (arc, moved) in [
+            ([0.2, 1.0 - 0.1 * least], [0.2, 1.0 - least]),
+            ([1.0 + 0.1 * least, 1.4], [1.0 + least, 1.4]),
+            ([1.0 - 0.5 * least, 1.0 + 0.6 * least], [1.0 - 0.5 * least, 1.0 + 0.6 * least]),
+        ] {
+            let mut contact = [RingContact { arcs: vec![arc, [2.2, 2.4]], gaps: vec![1.0, -1.0] }];
+            keep_off_corners(&setup, &mut contact);
+            let own = contact[0].arcs[0];
+            assert!((0..2).all(|k| (own[k] - moved[k]).abs() < 1e-15), "{arc:?} {own:?}");
+        }
+    }
+
+    #[test]
+    fn what_shrinks_is_left_out_but_for_arcs_between_both_signs_and_gaps_with_an_end_at_rest() {
+        let setup = square_with_friction();
         let moved = |arc, which, step, cut| EndStep { ring: 0, arc, which, step, cut, near: 0.1 };
         let both = [moved(0, 0, 0.1, true), moved(0, 1, -0.1, true)];
         for (gaps, many) in [([1.0, 1.0], 2), ([-1.0, 1.0], 0)] {

@@ -193,7 +193,9 @@ impl BoundedEnergy {
         let weights = if cell.is_log { f64::EPSILON * (1.0 + cell.length()) } else { 0.0 };
         let far = (cell.disc.centre - proof.setup.centre).norm() + cell.disc.centre.norm();
         let of_source = f * (far + 2.0 * cell.disc.radius);
+        let off = proof.setup.jumps.changes.field;
         for (node, [_, slope]) in own.nodes.iter().zip(&own.rounding) {
+            let slope = slope - off;
             let here = match &proof.setup.jumps.psi {
                 Psi::Polynomial(f) => node.spot.z.norm() * f.moduli(node.spot.z.norm())[0],
                 Psi::Jumps(_) => of_source,
@@ -248,7 +250,10 @@ impl BoundedEnergy {
         let f = of_f(&proof.setup.jumps.psi, interval.f, cell.disc);
         // Weights in log r.
         let weights = if cell.is_log { f64::EPSILON * (1.0 + cell.length()) } else { 0.0 };
-        let both = own.nodes.iter().zip(&own.rounding);
+        // That of the field of the changes of f is none of v.
+        let off = proof.setup.jumps.changes.field;
+        let both =
+            own.nodes.iter().zip(own.rounding.iter().map(|&[value, slope]| [value, slope - off]));
         for (((node, [value, slope]), psi), h) in both.zip(&own.psi).zip(harmonic) {
             let (v, l, [g, rate]) = (node.value, node.flux, HarmonicNode::of_g(node));
             let z = node.spot.z;

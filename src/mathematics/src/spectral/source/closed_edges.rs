@@ -45,18 +45,19 @@ impl ClosedEdges {
         let ends: Vec<usize> = edges.iter().flat_map(|edge| edge.arc.ends).flatten().collect();
         let is_loop = ends.len() == 2 * edges.len()
             && ends.iter().all(|end| ends.iter().filter(|other| *other == end).count() == 2);
+        if !is_loop {
+            return None;
+        }
         let [first, first_right] = edges[0].values;
         let (jump, mut jumps, mut left) = (edges[0].jump(), Vec::new(), Vec::new());
-        for edge in &edges {
-            // The same side, or the other one, lies in the loop.
-            let is_along = edge.jump() * jump > 0.0;
+        for (edge, is_along) in edges.iter().zip(lead_along(&edges)) {
             let [l, r] = edge.values;
             let (from, to) = if is_along { (first, first_right) } else { (first_right, first) };
             jumps.push(if is_along { jump } else { -jump });
             left.push((l - from) - (r - to));
         }
         let is_weak = left.iter().all(|own| own.abs() < 0.25 * jump.abs());
-        (is_loop && is_weak).then_some(Self { edges, jumps, left })
+        is_weak.then_some(Self { edges, jumps, left })
     }
 
     /// Takes its jumps out of a potential.
@@ -124,6 +125,20 @@ pub(in crate::spectral) fn holds(arc: Arc, edge: &JumpEdge) -> bool {
     let after = 0.5 * (edge.arc.span[0] + edge.arc.span[1]) - arc.span[0];
     let after = arc.curve.period().map_or(after, |turn| after.rem_euclid(turn));
     edge.arc.curve == arc.curve && 0.0 < after && after < arc.span[1] - arc.span[0]
+}
+
+/// Whether each edge of a loop leads round it as the first does.
+fn lead_along(edges: &[JumpEdge]) -> Vec<bool> {
+    let mut along = vec![None; edges.len()];
+    let (mut next, mut vertex) = (Some(0), edges[0].arc.ends[0]);
+    while let Some(k) = next {
+        let [from, to] = edges[k].arc.ends;
+        along[k] = Some(from == vertex);
+        vertex = if from == vertex { to } else { from };
+        next = (0..edges.len())
+            .find(|&other| along[other].is_none() && edges[other].arc.ends.contains(&vertex));
+    }
+    along.into_iter().map(|own| own == Some(true)).collect()
 }
 
 /// Edges that are connected by vertices.

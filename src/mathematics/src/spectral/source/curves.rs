@@ -263,7 +263,11 @@ impl Jumps {
             let apart = b.s - a.s;
             let is_same = apart < if a.side == b.side { SAME } else { ROUNDING };
             if is_same && apart > 0.0 {
-                self.joined.push(apart * if a.side && b.side { 1.0 + self.detour } else { 1.0 });
+                let is_corner = a.side && b.side;
+                self.joined.push(apart * if is_corner { 1.0 + self.detour } else { 1.0 });
+                // The curve meets one side there, and the other one beyond its end.
+                let [off, other] = [a.s, b.s].map(|s| domain.distance(curve.at(s)));
+                a.s = if is_corner && other < off { b.s } else { a.s };
             }
             is_same
         });

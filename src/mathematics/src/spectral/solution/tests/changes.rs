@@ -7,6 +7,7 @@ use crate::spectral::geometry::curve::{Arc, Curve};
 use crate::spectral::geometry::domain::PlaneError;
 use crate::spectral::source::changes::Changes;
 use crate::spectral::source::curves::Jumps;
+use crate::spectral::source::jumps::PlaneJumps;
 use std::f64::consts::PI;
 
 /// The energy of a narrow shape and that of a wide one of the same weight differ by no more than their squares.
@@ -102,6 +103,11 @@ fn what_a_tolerance_changes_is_bounded() {
         assert!(mass >= least && mass < 1e-10, "{f}: {mass:e} {least:e}");
         // On the other side of the domain.
         assert!(field >= mass / (2.0 * PI * domain.diameter()), "{f}: {field:e}");
+    }
+    // More than a share of f that leaves seven digits is refused.
+    for (value, is_refused) in [("5e14", false), ("5e18", true), ("5e23", true)] {
+        let source = pieces(&format!("disc(-0.41,0.37,1e-12)={value}; else=-3"));
+        assert_eq!(PlaneJumps::new(&domain, &source).is_err(), is_refused, "{value}");
     }
     let exact = "disc(-0.5,0.5,0.25)=3; halfplane(1,0,-0.5)=1; else=0".parse().unwrap();
     assert_eq!(Jumps::of_pieces(&domain, &exact).unwrap().changes, Changes::default());

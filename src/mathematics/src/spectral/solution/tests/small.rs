@@ -213,3 +213,21 @@ fn turned_regions_have_the_energy_of_rectangles() {
         check_width("turned", [lower, upper], energy, 1e-10 + 1e-13 / width);
     }
 }
+
+/// The energy, where all sticks, is a quadratic polynomial in the value of f on a shape: its third difference is zero.
+#[test]
+fn shapes_across_a_jump_may_lie_between_its_values() {
+    for shape in ["rect(0.13,0.17,-0.2,0.25)", "disc(0.2,0.01,0.04)"] {
+        let [mut low, mut high, mut size] = [0.0f64; 3];
+        // -7 differs from f on both sides of the jump by as much, with both signs.
+        for (value, factor) in [(-19.0, 1.0), (-13.0, -3.0), (-7.0, 3.0), (-1.0, -1.0)] {
+            let f = format!("{shape}={value}; halfplane(0.1,1,0.03)=-4; else=-10");
+            let [a, b] = bracket_of(&disc(), pieces(&f)).map(|end| factor * end);
+            low += a.min(b);
+            high += a.max(b);
+            size += a.abs();
+        }
+        assert!(low <= 0.0 && 0.0 <= high, "{shape}: [{low}, {high}]");
+        assert!(high - low < 1e-9 * size, "{shape}: [{low}, {high}]");
+    }
+}

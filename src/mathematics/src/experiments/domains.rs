@@ -1,8 +1,4 @@
-//! The paper's method and multigrid on other domains than the square: convergence on the disc, counts of iterations on
-//! nested meshes and for other numberings of the nodes, cost.
-
-mod counts;
-mod disc;
+//! Cost of multigrid on other domains than the square.
 
 use super::{Findings, Rows};
 use crate::levels::{Problem, Reserve};
@@ -13,23 +9,11 @@ use crate::problem::law::Law;
 use crate::solvers::{FoundSolution, Refusal, Run, Settings, Solver, find, solve};
 use serde::{Deserialize, Serialize};
 
-pub(super) use counts::{Nested, nested};
-
 /// Input of the experiment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct DomainsPlan {
     /// Domains with their f.
     domains: Vec<DomainPlan>,
-    /// Values of the duality parameter.
-    r: Vec<f64>,
-    /// Values of the duality parameter for the numberings.
-    numbered_r: Vec<f64>,
-    /// Number of nested meshes for the counts.
-    levels: usize,
-    /// Limit on iterations.
-    max_iterations: usize,
-    /// Number of refinements of the disc.
-    disc: usize,
 }
 
 /// Domain of the experiment.
@@ -39,15 +23,13 @@ struct DomainPlan {
     name: String,
     /// f, as text.
     f: String,
-    /// Number of refinements of the coarsest mesh on which the counts begin.
-    first: usize,
     /// Number of refinements for the cost.
     refinements: usize,
 }
 
 impl DomainPlan {
-    fn new(name: &str, f: &str, first: usize, refinements: usize) -> Self {
-        Self { name: name.into(), f: f.into(), first, refinements }
+    fn new(name: &str, f: &str, refinements: usize) -> Self {
+        Self { name: name.into(), f: f.into(), refinements }
     }
 }
 
@@ -55,18 +37,13 @@ impl Default for DomainsPlan {
     fn default() -> Self {
         Self {
             domains: vec![
-                DomainPlan::new("square", "rect(-1,0,-1,0)=-6; else=1.5", 1, 6),
-                DomainPlan::new("lshape", "rect(-1,0,-1,0)=3; else=-2", 0, 6),
-                DomainPlan::new("disc", "rect(-1,0,-1,0)=-6; else=1", 0, 7),
-                DomainPlan::new("annulus", "rect(-1,0,-1,0)=-6; else=1", 0, 5),
-                DomainPlan::new("cube", "box(-1,0,-1,0,-1,0)=-9; else=1", 0, 4),
-                DomainPlan::new("ball", "box(-1,0,-1,0,-1,0)=-9; else=1", 0, 4),
+                DomainPlan::new("square", "rect(-1,0,-1,0)=-6; else=1.5", 6),
+                DomainPlan::new("lshape", "rect(-1,0,-1,0)=3; else=-2", 6),
+                DomainPlan::new("disc", "rect(-1,0,-1,0)=-6; else=1", 7),
+                DomainPlan::new("annulus", "rect(-1,0,-1,0)=-6; else=1", 5),
+                DomainPlan::new("cube", "box(-1,0,-1,0,-1,0)=-9; else=1", 4),
+                DomainPlan::new("ball", "box(-1,0,-1,0,-1,0)=-9; else=1", 4),
             ],
-            r: vec![0.1, 1.0, 10.0, 1e4],
-            numbered_r: vec![1.0, 10.0, 1e4],
-            levels: 5,
-            max_iterations: 200_000,
-            disc: 7,
         }
     }
 }
@@ -98,20 +75,12 @@ struct DomainCost {
     effectivity: Option<f64>,
 }
 
-/// Runs the experiment: tables `disc` of errors, `counts` and `numberings` of iterations, and `cost` of
-/// multigrid.
+/// Runs the experiment: table `cost` of multigrid.
 ///
 /// # Errors
 /// A sentence if a problem cannot be solved.
 pub(super) fn domains(plan: &DomainsPlan) -> Result<Findings, String> {
-    let cost = try_map(&plan.domains, cost)?;
-    let counts = try_map(&plan.domains, |domain| counts::counted(domain, plan))?;
-    Ok(Findings::from([
-        ("disc".into(), Rows::of(disc::convergence(plan.disc)?)),
-        ("counts".into(), Rows::of(counts.concat())),
-        ("numberings".into(), Rows::of(counts::numberings(plan)?)),
-        ("cost".into(), Rows::of(cost)),
-    ]))
+    Ok(Findings::from([("cost".into(), Rows::of(try_map(&plan.domains, cost)?))]))
 }
 
 /// Coarsest mesh of a domain.
