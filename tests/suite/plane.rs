@@ -379,3 +379,72 @@ fn scenes_and_options_agree_on_it() {
     let energy = of_scene["energy"].as_f64().unwrap().to_string();
     assert!(table.contains(&energy), "{table} {energy}");
 }
+
+/// Copy of the plane: turned by a right angle or mirrored, by a power of two as large, and shifted.
+struct Copied {
+    turn: [[f64; 2]; 2],
+    scale: f64,
+    shift: [f64; 2],
+}
+
+impl Copied {
+    fn direction(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        self.turn.map(|row| row[0] * x + row[1] * y)
+    }
+
+    fn point(&self, z: [f64; 2]) -> [f64; 2] {
+        let [x, y] = self.direction(z);
+        [self.scale * x + self.shift[0], self.scale * y + self.shift[1]]
+    }
+
+    /// Half-plane, rectangle and disc, all of which meet the boundary of the L-shape.
+    fn shapes(&self) -> [String; 3] {
+        let [a, b] = self.direction([0.1, 0.3]);
+        let along = a * self.shift[0] + b * self.shift[1];
+        // So that no digit is lost in the copy.
+        let d = self.scale * (-0.1 * 2f64.powi(28)).round() / 2f64.powi(28);
+        assert_eq!((along + d) - along, d);
+        let [[x0, y0], [x1, y1]] = [[0.25, -0.125], [0.75, 1.5]].map(|z| self.point(z));
+        let [x, y] = self.point([-0.75, 0.625]);
+        [
+            format!("halfplane({a},{b},{})", along + d),
+            format!("rect({},{},{},{})", x0.min(x1), x0.max(x1), y0.min(y1), y0.max(y1)),
+            format!("disc({x},{y},{})", 0.3 * self.scale),
+        ]
+    }
+
+    /// Brackets of the energies on the L-shape, over the fourth power of the scale, for each of the shapes.
+    fn brackets(&self) -> [[f64; 2]; 3] {
+        let corners = [[0, 0], [1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1]];
+        let points = corners.map(|z| self.point(z.map(f64::from)));
+        let is_mirrored = self.turn[0][0] * self.turn[1][1] < self.turn[0][1] * self.turn[1][0];
+        let cells: Vec<[usize; 3]> =
+            (2..8).map(|k| if is_mirrored { [1, k + 1, k] } else { [1, k, k + 1] }).collect();
+        let file = file(&points, &cells, &[[1, 2]]);
+        self.shapes().map(|shape| {
+            let stated = statement(Domain::named("l.msh"), &format!("{shape}=2; else=-3"));
+            let solved = stated.solved(Some(&file)).unwrap_or_else(|e| panic!("{shape}: {e}"));
+            solved.bounds()[0].as_ref().unwrap().energy.map(|end| end / self.scale.powi(4))
+        })
+    }
+}
+
+#[test]
+fn brackets_of_copies_turned_scaled_and_far_away_meet() {
+    const SAME: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
+    let far = |k: i32| [2f64.powi(k + 1), -2f64.powi(k - 1)];
+    let own = Copied { turn: SAME, scale: 1.0, shift: [0.0; 2] }.brackets();
+    for (turn, scale, shift) in [
+        (SAME, 1.0, far(20)),
+        (SAME, 1.0, far(26)),
+        ([[0.0, -1.0], [1.0, 0.0]], 2f64.powi(-20), [0.0; 2]),
+        ([[-1.0, 0.0], [0.0, 1.0]], 2f64.powi(11), [0.0; 2]),
+    ] {
+        let copy = Copied { turn, scale, shift }.brackets();
+        for ([lower, upper], [low, high]) in own.into_iter().zip(copy) {
+            let text = format!("{turn:?} {scale} {shift:?}: [{lower}, {upper}] [{low}, {high}]");
+            assert!(lower <= high && low <= upper, "{text}");
+            assert!(high - low < 1e-9 * high.abs(), "{text}");
+        }
+    }
+}

@@ -127,7 +127,7 @@ pub(in crate::spectral) fn holds(arc: Arc, edge: &JumpEdge) -> bool {
     edge.arc.curve == arc.curve && 0.0 < after && after < arc.span[1] - arc.span[0]
 }
 
-/// Whether each edge of a loop leads round it as the first does.
+/// True for the edges of a loop that lead round it as the first does.
 fn lead_along(edges: &[JumpEdge]) -> Vec<bool> {
     let mut along = vec![None; edges.len()];
     let (mut next, mut vertex) = (Some(0), edges[0].arc.ends[0]);
