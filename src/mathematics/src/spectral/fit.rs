@@ -46,7 +46,7 @@ pub(in crate::spectral) fn conditions(setup: &Setup, walk: &Walk, spots: &[Spot]
             continue;
         }
         if a.interval == b.interval {
-            add_between(walk, a.interval, [a, b], &rule, &mut between[k]);
+            add_between(walk, a.interval, [a, b], rule, &mut between[k]);
         } else {
             for (interval, side, to) in [(a.interval, 1, a.offset), (b.interval, 0, b.offset)] {
                 let nodes = rule
@@ -58,13 +58,16 @@ pub(in crate::spectral) fn conditions(setup: &Setup, walk: &Walk, spots: &[Spot]
         points.extend(between[k].iter().map(|spot| spot.z));
     }
     let gradients = setup.jumps.psi.gradients(&points);
+    let is_held = |spot: &Spot| walk.intervals[spot.interval].state == State::Held;
+    let held: Vec<Complex> = spots.iter().filter(|spot| is_held(spot)).map(|spot| spot.z).collect();
+    let mut held = setup.jumps.psi.values(&held).into_iter();
     let (mut at, mut sum) = (0, 0.0);
     let mut values = Vec::with_capacity(spots.len());
     for (k, spot) in spots.iter().enumerate() {
-        let State::Flux(_) = walk.intervals[spot.interval].state else {
-            values.push(-setup.jumps.psi.value(spot.z));
+        if is_held(spot) {
+            values.push(-held.next().expect("a value for each such spot"));
             continue;
-        };
+        }
         if between[k].is_empty() {
             sum = 0.0;
         }
@@ -175,7 +178,7 @@ impl Fit {
             fineness *= 1.4;
             panels = self::panels(setup, &walk, &functions, level, [fineness, level.shortest]);
         }
-        let spots = spots_on(&walk, &panels, &rule);
+        let spots = spots_on(&walk, &panels, rule);
         functions.orthogonalise(&spots, level.degree);
         let mut matrix = Columns::new(spots.len(), functions.unknowns() + walk.runs);
         fill(&walk, &spots, &functions, &mut matrix);

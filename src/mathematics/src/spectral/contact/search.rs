@@ -30,12 +30,20 @@ const CORRECTIONS: usize = 8;
 /// Points of a panel for signs, and for integrals.
 const POINTS: [usize; 2] = [8, 16];
 
-impl PlaneFound {
-    /// Finds the contact set on a level.
+/// Fit whose signs are all right.
+struct RightFit {
+    fit: Fit,
+    nodes: Vec<PlaneNode>,
+    sizes: Sizes,
+    signs: PlaneSigns,
+}
+
+impl RightFit {
+    /// Finds the contact set on a level, with so many points of a panel for signs.
     fn on(
         setup: &Setup,
         contact: &mut Vec<RingContact>,
-        level: Level,
+        level: &Level,
         effort: &mut Effort,
         points: usize,
     ) -> Result<Self, PlaneError> {
@@ -45,7 +53,7 @@ impl PlaneFound {
             if effort.steps > most {
                 break;
             }
-            let fit = settle(setup, contact, &level, effort).ok_or_else(|| {
+            let fit = settle(setup, contact, level, effort).ok_or_else(|| {
                 let text = "the ends of the arcs that stick were not found: Newton's method did not settle";
                 PlaneError::NotFound(text.into())
             })?;
@@ -53,28 +61,32 @@ impl PlaneFound {
                 break;
             }
             tried.push(contact.clone());
-            let nodes = boundary_nodes(setup, &fit, &level, points);
+            let nodes = boundary_nodes(setup, &fit, level, points);
             let sizes = Sizes::new(setup, &nodes);
             let signs =
                 PlaneSigns::new(setup, contact, &nodes, sizes, 2.0 * level.noise * setup.perimeter);
             match signs.mended {
                 Some(mended) => *contact = mended,
-                None => {
-                    let integrals = Integrals::new(setup, &fit, &nodes);
-                    return Ok(Self {
-                        contact: contact.clone(),
-                        fit,
-                        nodes,
-                        sizes,
-                        signs,
-                        integrals,
-                        steps: effort.steps,
-                        level,
-                    });
-                }
+                None => return Ok(Self { fit, nodes, sizes, signs }),
             }
         }
         Err(PlaneError::NotFound("no contact set with all signs right was found".into()))
+    }
+}
+
+impl PlaneFound {
+    /// Finds the contact set on a level, and the energy.
+    fn on(
+        setup: &Setup,
+        contact: &mut Vec<RingContact>,
+        level: Level,
+        effort: &mut Effort,
+    ) -> Result<Self, PlaneError> {
+        let found = RightFit::on(setup, contact, &level, effort, POINTS[1])?;
+        let RightFit { fit, nodes, sizes, signs } = found;
+        let integrals = Integrals::new(setup, &fit, &nodes);
+        let (contact, steps) = (contact.clone(), effort.steps);
+        Ok(Self { contact, fit, nodes, sizes, signs, integrals, steps, level })
     }
 
     /// Solution of the finest level from this one's contact set, unless this is it; none if that is not found there.
@@ -84,8 +96,7 @@ impl PlaneFound {
             return None;
         }
         let mut contact = self.contact.clone();
-        let found =
-            Self::on(setup, &mut contact, finest, &mut Effort::default(), POINTS[1]).ok()?;
+        let found = Self::on(setup, &mut contact, finest, &mut Effort::default()).ok()?;
         let steps = self.steps + found.steps;
         (found.errors() < ACCEPTED).then_some(Self { steps, ..found })
     }
@@ -151,12 +162,13 @@ pub(in crate::spectral) fn search(
 ) -> Result<PlaneFound, PlaneError> {
     let mut contact = started(setup, start);
     let first = contact.clone();
-    let coarse = PlaneFound::on(setup, &mut contact, Level::COARSE, effort, POINTS[0]);
-    // What is not found on a coarse level may be on a fine one.
-    contact = coarse.map_or(first, |found| found.contact);
+    if RightFit::on(setup, &mut contact, &Level::COARSE, effort, POINTS[0]).is_err() {
+        // What is not found on a coarse level may be on a fine one.
+        contact = first;
+    }
     let (mut best, mut refusal) = (None, None);
     for level in Level::FINE {
-        match PlaneFound::on(setup, &mut contact, level, effort, POINTS[1]) {
+        match PlaneFound::on(setup, &mut contact, level, effort) {
             Ok(found) => {
                 let better =
                     best.as_ref().is_none_or(|best: &PlaneFound| found.errors() < best.errors());

@@ -19,7 +19,7 @@ use crate::spectral::geometry::boundary::{JoinedPiece, State, Walk};
 use crate::spectral::geometry::curve::Arc;
 use crate::spectral::geometry::rule::{GaussNode, gauss, halved};
 use crate::spectral::setup::Setup;
-use crate::spectral::source::groups::{GroupEdge, JumpGroup, PieceSide};
+use crate::spectral::source::groups::{GroupEdge, PieceSide};
 use crate::spectral::source::psi::Psi;
 use crate::spectral::source::quadratic::Quadratic;
 
@@ -119,7 +119,7 @@ impl Integrals {
                 let curve = own.edge.arc.curve;
                 let (mut points, mut normals) = (Vec::new(), Vec::new());
                 for [from, to] in pieces(setup, group.middle, own.edge.arc) {
-                    for &GaussNode { x, weight } in &rule {
+                    for &GaussNode { x, weight } in rule {
                         // Short steps at both ends.
                         let part = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
                         let slope = 30.0 * x * x * (1.0 - x) * (1.0 - x);
@@ -129,22 +129,22 @@ impl Integrals {
                         normals.push((-curve.direction(s).turned()).scaled(length));
                     }
                 }
-                self.add_jump(group, own, &points, &normals);
+                let (values, gradients) = (group.psi.values(&points), group.psi.gradients(&points));
+                self.add_jump(own, [&points, &normals], (&values, &gradients));
             }
         }
     }
 
-    /// Adds the part of a jump, by points with normals to the right as long as their weights.
+    /// Adds the part of a jump, by points with normals to the right as long as their weights, and psi with its
+    /// gradients there.
     pub(in crate::spectral) fn add_jump(
         &mut self,
-        group: &JumpGroup,
         edge: &GroupEdge,
-        points: &[Complex],
-        normals: &[Complex],
+        [points, normals]: [&[Complex]; 2],
+        (values, gradients): (&[f64], &[Complex]),
     ) {
-        let gradients = group.psi.gradients(points);
-        for ((&z, &normal), gradient) in points.iter().zip(normals).zip(gradients) {
-            let own = BorderPoint::new(group.psi.value(z), gradient, z, normal);
+        for (i, &z) in points.iter().enumerate() {
+            let own = BorderPoint::new(values[i], gradients[i], z, normals[i]);
             edge.sides.iter().for_each(|&side| self.add_side(side, own));
         }
     }

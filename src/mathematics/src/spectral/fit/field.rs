@@ -59,7 +59,7 @@ pub(in crate::spectral) fn boundary_nodes(
     points: usize,
 ) -> Vec<PlaneNode> {
     let panels = panels(setup, &fit.walk, &fit.functions, level, [1.0, 0.0]);
-    let spots = spots_on(&fit.walk, &panels, &gauss(points));
+    let spots = spots_on(&fit.walk, &panels, gauss(points));
     let mut nodes = nodes_at(setup, fit, &spots);
     for (node, condition) in nodes.iter_mut().zip(conditions(setup, &fit.walk, &spots)) {
         node.residual = match node.state {
@@ -91,25 +91,24 @@ pub(in crate::spectral) fn nodes_at(setup: &Setup, fit: &Fit, spots: &[Spot]) ->
             g.im += c * (log.im - own.im);
         }
     }
-    let gradients = setup.jumps.psi.gradients(&points);
+    let psi = &setup.jumps.psi;
+    let (values, gradients) = (psi.values(&points), psi.gradients(&points));
     let mut nodes = Vec::with_capacity(spots.len());
     for (k, &spot) in spots.iter().enumerate() {
-        nodes.push(node(setup, fit, spot, [g[k], slopes[k]], gradients[k]));
+        nodes.push(node(fit, spot, [g[k], slopes[k]], (values[k], gradients[k])));
     }
     nodes
 }
 
-/// Node at a spot, from g, its derivative, and the gradient of psi.
+/// Node at a spot, from g with its derivative, and psi with its gradient.
 pub(in crate::spectral) fn node(
-    setup: &Setup,
     fit: &Fit,
     spot: Spot,
     [g, slope]: [Complex; 2],
-    gradient: Complex,
+    (psi, gradient): (f64, Complex),
 ) -> PlaneNode {
     let normal = -spot.tangent.turned();
     let interval = &fit.walk.intervals[spot.interval];
-    let psi = setup.jumps.psi.value(spot.z);
     let psi_flux = gradient.dot(normal);
     PlaneNode {
         spot,

@@ -48,6 +48,26 @@ impl PlaneRing {
         self.starts[side] + s
     }
 
+    /// Condition at a distance along the loop: that of its side, or of the contact set where the law holds.
+    fn state(&self, t: f64, contact: &RingContact) -> State {
+        match self.sides[self.place(t).side].condition {
+            Condition::Fixed => State::Held,
+            Condition::Free => State::Flux(0.0),
+            Condition::Contact => contact.flux(t, self.length()).map_or(State::Held, State::Flux),
+        }
+    }
+
+    /// Directions of the walk before and after a mark.
+    fn tangents(&self, mark: &Mark) -> [Complex; 2] {
+        let place = self.place(mark.t);
+        let after = self.sides[place.side].tangent(place.s);
+        if !mark.joint {
+            return [after, after];
+        }
+        let before = &self.sides[(place.side + self.sides.len() - 1) % self.sides.len()];
+        [before.tangent(before.length()), after]
+    }
+
     /// Place at a distance along the loop, in a turn.
     pub(in crate::spectral) fn place(&self, t: f64) -> SidePlace {
         let t = t.rem_euclid(self.length());
@@ -207,58 +227,47 @@ impl Walk {
         walk
     }
 
+    /// Adds a loop: a split at each mark, and an interval from each split to the next.
     fn add_ring(
         &mut self,
-        r: usize,
+        number: usize,
         ring: &PlaneRing,
         contact: &RingContact,
         crossings: &[PlaneCrossing],
     ) {
-        let (turn, marks) = (ring.length(), marks(r, ring, contact, crossings));
+        let marks = marks(number, ring, contact, crossings);
         let (first, many) = (self.splits.len(), marks.len());
-        let state_at = |t: f64| match ring.sides[ring.place(t).side].condition {
-            Condition::Fixed => State::Held,
-            Condition::Free => State::Flux(0.0),
-            Condition::Contact => contact.flux(t, turn).map_or(State::Held, State::Flux),
-        };
-        let next = |k: usize| if k + 1 < many { marks[k + 1].t } else { turn + marks[0].t };
-        let states: Vec<State> =
-            (0..many).map(|k| state_at(0.5 * (marks[k].t + next(k)))).collect();
+        let mut lengths = Vec::with_capacity(many);
+        let mut states = Vec::with_capacity(many);
+        for (k, mark) in marks.iter().enumerate() {
+            let next = if k + 1 < many { marks[k + 1].t } else { ring.length() + marks[0].t };
+            lengths.push(next - mark.t);
+            // Nothing changes between two marks.
+            states.push(ring.state(0.5 * (mark.t + next), contact));
+        }
         for (k, mark) in marks.iter().enumerate() {
             let before = (k + many - 1) % many;
             let place = ring.place(mark.t);
             let side = &ring.sides[place.side];
-            let after = side.tangent(place.s);
-            let prior = match mark.joint {
-                true => {
-                    let prior = &ring.sides[(place.side + ring.sides.len() - 1) % ring.sides.len()];
-                    prior.tangent(prior.length())
-                }
-                false => after,
-            };
-            let angle = match mark.corner {
-                true => PI - libm::atan2(prior.cross(after), prior.dot(after)),
-                false => PI,
-            };
-            let lengths = [next(before) - marks[before].t, next(k) - mark.t];
+            let tangents = ring.tangents(mark);
             self.splits.push(Split {
-                ring: r,
+                ring: number,
                 t: mark.t,
                 z: side.point(place.s),
-                tangents: [prior, after],
+                tangents,
                 states: [states[before], states[k]],
-                lengths,
-                angle,
+                lengths: [lengths[before], lengths[k]],
+                angle: if mark.corner { inner_angle(tangents) } else { PI },
                 corner: mark.corner,
                 crossing: mark.crossing,
                 end: mark.end.filter(|_| !mark.corner && states[before] != states[k]),
             });
             self.intervals.push(PlaneInterval {
-                ring: r,
+                ring: number,
                 side: place.side,
                 splits: [first + k, first + (k + 1) % many],
                 from: place.s,
-                length: lengths[1],
+                length: lengths[k],
                 curvature: side.curvature(),
                 state: states[k],
                 lawful: side.condition == Condition::Contact,
@@ -266,17 +275,24 @@ impl Walk {
                 run: usize::MAX,
             });
         }
-        self.join(r, ring, crossings);
-        // Runs begin after an interval that is held, or anywhere on a loop without one.
+        self.join(number, ring, crossings);
+        self.number_runs(first);
+    }
+
+    /// Numbers the runs of the last loop, from its first interval on, which becomes one where v = 0 if there is one: so
+    /// no run goes on from the last interval to the first.
+    fn number_runs(&mut self, first: usize) {
         let own = &mut self.intervals[first..];
-        let start = own.iter().position(|interval| interval.state == State::Held).unwrap_or(0);
-        own.rotate_left(start);
-        let mut open = false;
+        let held = own.iter().position(|interval| interval.state == State::Held).unwrap_or(0);
+        own.rotate_left(held);
+        let mut goes_on = false;
         for interval in own {
-            let free = interval.state != State::Held;
-            self.runs += usize::from(free && !open);
-            open = free;
-            interval.run = if free { self.runs - 1 } else { usize::MAX };
+            let is_free = interval.state != State::Held;
+            if is_free {
+                self.runs += usize::from(!goes_on);
+                interval.run = self.runs - 1;
+            }
+            goes_on = is_free;
         }
     }
 
@@ -356,20 +372,27 @@ impl JoinedPiece {
     }
 }
 
-/// Kind of a split.
+/// Inner angle of a corner, between the directions of the walk before and after it.
+fn inner_angle([before, after]: [Complex; 2]) -> f64 {
+    PI - libm::atan2(before.cross(after), before.dot(after))
+}
+
+/// What is at a place of a loop that becomes a split.
 #[derive(Clone, Copy, Default)]
 struct Mark {
+    /// Distance along the loop.
     t: f64,
     /// True where a side begins, at a corner or not.
     joint: bool,
     corner: bool,
     crossing: bool,
+    /// Arc of the contact set that begins (0) or ends (1) here.
     end: Option<(usize, usize)>,
 }
 
-/// Corners, crossings and ends of contact of a loop, in order.
+/// Corners, crossings and ends of contact of a loop, in order: one mark for those that are together.
 fn marks(
-    r: usize,
+    number: usize,
     ring: &PlaneRing,
     contact: &RingContact,
     crossings: &[PlaneCrossing],
@@ -380,7 +403,7 @@ fn marks(
         let corner = !ring.smooth[k];
         marks.push(Mark { t: ring.starts[k], joint: true, corner, ..Mark::default() });
     }
-    for own in crossings.iter().filter(|own| own.ring == r) {
+    for own in crossings.iter().filter(|own| own.ring == number) {
         marks.push(Mark { t: ring.along(own.place), crossing: true, ..Mark::default() });
     }
     for (k, arc) in contact.arcs.iter().enumerate() {

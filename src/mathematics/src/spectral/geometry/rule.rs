@@ -1,6 +1,7 @@
 //! Gauss rules on (0, 1), and parts of a range to apply them to.
 
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 /// Node of a Gauss rule on (0, 1).
 #[derive(Clone, Copy)]
@@ -9,8 +10,17 @@ pub(in crate::spectral) struct GaussNode {
     pub weight: f64,
 }
 
-/// Nodes and weights of the Gauss-Legendre rule with `n` nodes on (0, 1), ascending.
-pub(in crate::spectral) fn gauss(n: usize) -> Vec<GaussNode> {
+/// Most nodes of a rule.
+const MOST: usize = 48;
+
+/// Nodes and weights of the Gauss-Legendre rule with `n` nodes on (0, 1), 48 at most, ascending.
+pub(in crate::spectral) fn gauss(n: usize) -> &'static [GaussNode] {
+    static RULES: [OnceLock<Vec<GaussNode>>; MOST + 1] = [const { OnceLock::new() }; MOST + 1];
+    RULES[n].get_or_init(|| found(n))
+}
+
+/// Finds a rule.
+fn found(n: usize) -> Vec<GaussNode> {
     let mut rule = vec![GaussNode { x: 0.5, weight: 1.0 }; n];
     for i in 0..n.div_ceil(2) {
         let mut x = libm::cos(PI * (i as f64 + 0.75) / (n as f64 + 0.5));

@@ -137,7 +137,9 @@ impl Room {
             // A domain without corners, of straight sides: none.
             deltas.push(if delta.is_finite() { delta } else { 1.0 });
         }
-        let beside = (0..cells.len()).map(|p| beside(walk, &pieces, cells, p, deltas[p]));
+        let middles: Vec<Complex> = cells.iter().map(|own| own.middle(walk)).collect();
+        let places = CellPlaces { walk, pieces: &pieces, cells, middles: &middles };
+        let beside = (0..cells.len()).map(|p| places.beside(p, deltas[p]));
         let near = graded.iter().map(|split| 22.0 * (4.0 * PI + 128.0 / split.angle)).sum();
         Self { beside: beside.collect(), deltas, splits: graded.len() as f64, near }
     }
@@ -172,47 +174,54 @@ impl Room {
     }
 }
 
-/// Cells of a piece that are no farther from a cell than delta, with the factors by which their slopes count.
-fn beside(
-    walk: &Walk,
-    pieces: &[usize],
-    cells: &[ProofCell],
-    p: usize,
-    delta: f64,
-) -> Vec<(usize, f64)> {
-    let own = &cells[p];
-    let [from, to] = own.cell.span;
-    let mut beside = Vec::new();
-    for (q, other) in cells.iter().enumerate() {
-        if pieces[other.interval] != pieces[own.interval] {
-            continue;
-        }
-        let [start, end] = other.cell.span;
-        if own.cell.is_log {
-            // In units of r: slopes within 0.6 to 1.4 times the distance, which may be beyond the middle.
-            let (same, length) = (other.side == own.side, walk.intervals[own.interval].length);
-            let range = if same { [start, end] } else { [length - end, length - start] };
-            if other.interval == own.interval && range[0] <= 1.5 * to && range[1] >= 0.6 * from {
-                beside.push((
-                    q,
-                    match (other.cell.is_log, same) {
-                        (true, true) => 1.0 / 0.6,
-                        (true, false) => 1.5 * to / start.max(0.25 * length),
-                        (false, _) => 1.5 * to,
-                    },
-                ));
+/// Cells with what says which are beside each other.
+struct CellPlaces<'a> {
+    walk: &'a Walk,
+    /// Numbers of the pieces of intervals.
+    pieces: &'a [usize],
+    cells: &'a [ProofCell],
+    middles: &'a [Complex],
+}
+
+impl CellPlaces<'_> {
+    /// Cells of a piece that are no farther from a cell than delta, with the factors by which their slopes count.
+    fn beside(&self, p: usize, delta: f64) -> Vec<(usize, f64)> {
+        let Self { walk, pieces, cells, middles } = self;
+        let own = &cells[p];
+        let [from, to] = own.cell.span;
+        let mut beside = Vec::new();
+        for (q, other) in cells.iter().enumerate() {
+            if pieces[other.interval] != pieces[own.interval] {
+                continue;
             }
-            continue;
+            let [start, end] = other.cell.span;
+            if own.cell.is_log {
+                // In units of r: slopes within 0.6 to 1.4 times the distance, which may be beyond the middle.
+                let (same, length) = (other.side == own.side, walk.intervals[own.interval].length);
+                let range = if same { [start, end] } else { [length - end, length - start] };
+                if other.interval == own.interval && range[0] <= 1.5 * to && range[1] >= 0.6 * from
+                {
+                    beside.push((
+                        q,
+                        match (other.cell.is_log, same) {
+                            (true, true) => 1.0 / 0.6,
+                            (true, false) => 1.5 * to / start.max(0.25 * length),
+                            (false, _) => 1.5 * to,
+                        },
+                    ));
+                }
+                continue;
+            }
+            let away = (middles[p] - middles[q]).norm();
+            if away > 0.53 * (to - from + end - start) + 1.1 * delta {
+                continue;
+            }
+            // Half of the way to the split remains.
+            let factor = if other.cell.is_log { 1.0 / start.max(0.9 * delta) } else { 1.0 };
+            beside.push((q, factor));
         }
-        let away = (own.middle(walk) - other.middle(walk)).norm();
-        if away > 0.53 * (to - from + end - start) + 1.1 * delta {
-            continue;
-        }
-        // Half of the way to the split remains.
-        let factor = if other.cell.is_log { 1.0 / start.max(0.9 * delta) } else { 1.0 };
-        beside.push((q, factor));
+        beside
     }
-    beside
 }
 
 #[cfg(test)]

@@ -72,13 +72,13 @@ impl HarmonicFit {
     /// Bounds of h and its derivative on the discs of cells.
     pub(super) fn moduli(&self, samples: &[Sampled]) -> Vec<Moduli> {
         let Functions { arnoldi, holes, .. } = &self.functions;
-        let discs: Vec<Disc> =
-            samples.iter().map(|own| Disc { inner: 0.0, ..own.own.cell.disc }).collect();
+        let discs: Vec<Disc> = samples.iter().map(|own| own.own.cell.disc).collect();
         let powers = holes.iter().map(|hole| hole.powers).sum::<usize>();
         let (own, rest) = self.coefficients.split_at(powers);
         let (polynomial, logs) = rest.split_at(arnoldi.len() + 1);
         let mut moduli = of_polynomial(arnoldi, polynomial, &discs);
-        for (sum, &disc) in moduli.iter_mut().zip(&discs) {
+        for (sum, disc) in moduli.iter_mut().zip(discs) {
+            let disc = Disc { inner: 0.0, ..disc };
             let mut own = own;
             for (hole, log) in holes.iter().zip(logs) {
                 let (first, others) = own.split_at(hole.powers);

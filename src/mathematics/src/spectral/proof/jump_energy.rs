@@ -74,17 +74,18 @@ impl BoundedEnergy {
     ) -> f64 {
         let curve = own.edge.arc.curve;
         let (mut points, mut normals) = (Vec::new(), Vec::new());
-        for [r, weight] in cell.nodes(&gauss(POINTS)) {
+        for [r, weight] in cell.nodes(gauss(POINTS)) {
             let s = from + way * r;
             points.push(curve.at(s));
             normals.push((-curve.direction(s).turned()).scaled(weight));
         }
         let mut sums = Integrals::default();
-        sums.add_jump(group, own, &points, &normals);
+        let (values, gradients) = (group.psi.values(&points), group.psi.gradients(&points));
+        sums.add_jump(own, [&points, &normals], (&values, &gradients));
         self.energy += sums.completed().energy;
         self.balance += sums.source;
         self.cells += 1;
-        self.add_jump_rounding(group, own, &points, &normals);
+        self.add_jump_rounding((group, own), [&points, &normals], (&values, &gradients));
         let units = f64::EPSILON * (self.cells + POINTS + 16) as f64;
         let scale = if cell.is_log { cell.distances[1] } else { 1.0 };
         let Moduli { value, slope } = of_psi(&group.psi, cell.disc);
@@ -106,17 +107,15 @@ impl BoundedEnergy {
     /// Adds the error by rounding of psi and of coordinates at points of a jump.
     fn add_jump_rounding(
         &mut self,
-        group: &JumpGroup,
-        own: &GroupEdge,
-        points: &[Complex],
-        normals: &[Complex],
+        (group, own): (&JumpGroup, &GroupEdge),
+        [points, normals]: [&[Complex]; 2],
+        (values, gradients): (&[f64], &[Complex]),
     ) {
-        let psi = &group.psi;
         // Coordinates are off by two units.
         let off = 2.0 * f64::EPSILON * group.reach().min(1.0);
-        let both = points.iter().zip(normals).zip(psi.gradients(points)).zip(psi.errors(points));
-        for (((&z, normal), gradient), errors) in both {
-            let (weight, slope, value) = (0.5 * normal.norm(), gradient.norm(), psi.value(z).abs());
+        for (i, errors) in group.psi.errors(points).into_iter().enumerate() {
+            let (z, weight) = (points[i], 0.5 * normals[i].norm());
+            let (value, slope) = (values[i].abs(), gradients[i].norm());
             // f differs next to a border that is off.
             self.error += 2.0 * weight * own.edge.jump().abs() * group.off * (value + self.most_g);
             for PieceSide { quadratic, f, square } in &own.sides {

@@ -83,16 +83,26 @@ pub(super) fn of_functions(fit: &Fit, disc: Disc, without: Option<usize>) -> Mod
     sum
 }
 
-/// Bounds of a polynomial on discs, by Arnoldi's matrix and the coefficients.
+/// Bounds of a polynomial on discs, by Arnoldi's matrix and the coefficients; cells next to a split have one disc.
 pub(super) fn of_polynomial(
     arnoldi: &[Vec<Complex>],
     own: &[Complex],
     discs: &[Disc],
 ) -> Vec<Moduli> {
+    let mut distinct: Vec<Disc> = Vec::new();
+    let mut numbers = Vec::with_capacity(discs.len());
+    for disc in discs {
+        let is_same = |other: &Disc| (other.centre, other.radius) == (disc.centre, disc.radius);
+        let known = distinct.iter().rposition(is_same);
+        numbers.push(known.unwrap_or(distinct.len()));
+        if known.is_none() {
+            distinct.push(*disc);
+        }
+    }
     let points = 2 * arnoldi.len().max(1);
     let functions = Functions { arnoldi: arnoldi.to_vec(), ..Functions::default() };
-    let mut moduli = Vec::with_capacity(discs.len());
-    for discs in discs.chunks(16) {
+    let mut moduli = Vec::with_capacity(distinct.len());
+    for discs in distinct.chunks(16) {
         let mut spots = Vec::with_capacity(discs.len() * points);
         for disc in discs {
             for k in 0..points {
@@ -110,7 +120,7 @@ pub(super) fn of_polynomial(
             moduli.push(Moduli { value, slope });
         }
     }
-    moduli
+    numbers.into_iter().map(|number| moduli[number]).collect()
 }
 
 impl Family {

@@ -13,21 +13,12 @@ use crate::spectral::geometry::rule::gauss;
 impl Proof<'_> {
     /// Bounds of moduli on the ellipses of cells.
     fn moduli(&self, cells: &[ProofCell]) -> Vec<CellModuli> {
-        let mut discs: Vec<Disc> = Vec::new();
-        let mut numbers = Vec::with_capacity(cells.len());
-        for own in cells {
-            let disc = Disc { inner: 0.0, ..own.cell.disc };
-            let known = discs.iter().rposition(|other| *other == disc);
-            numbers.push(known.unwrap_or(discs.len()));
-            if known.is_none() {
-                discs.push(disc);
-            }
-        }
+        let discs: Vec<Disc> = cells.iter().map(|own| own.cell.disc).collect();
         let arnoldi = &self.fit.functions.arnoldi;
         let own = &self.fit.coefficients[self.fit.coefficients.len() - arnoldi.len() - 1..];
         let polynomials = of_polynomial(arnoldi, own, &discs);
-        let both = cells.iter().zip(numbers);
-        both.map(|(own, number)| self.moduli_on(own, polynomials[number])).collect()
+        let both = cells.iter().zip(polynomials);
+        both.map(|(own, polynomial)| self.moduli_on(own, polynomial)).collect()
     }
 
     /// Bounds of moduli on the ellipse of a cell, from those of the polynomial.
@@ -88,7 +79,7 @@ impl Proof<'_> {
         let mut spots: Vec<Spot> = Vec::with_capacity(cells.len() * POINTS);
         let mut distances: Vec<f64> = Vec::with_capacity(cells.len() * POINTS);
         for own in cells {
-            for [r, weight] in own.cell.nodes(&rule) {
+            for [r, weight] in own.cell.nodes(rule) {
                 distances.push(r);
                 let mut spot = self.fit.walk.spot(own.interval, own.side, r, weight);
                 if !own.cell.is_log {
@@ -100,8 +91,9 @@ impl Proof<'_> {
         }
         let sums = self.fit.functions.bounded_sums(&self.fit.all_coefficients(), &spots);
         let points: Vec<Complex> = spots.iter().map(|spot| spot.z).collect();
-        let gradients = self.setup.jumps.psi.gradients(&points);
-        let psi_errors = self.setup.jumps.psi.errors(&points);
+        let psi = &self.setup.jumps.psi;
+        let (values, gradients) = (psi.values(&points), psi.gradients(&points));
+        let psi_errors = psi.errors(&points);
         // That of the field whose divergence is the change of f.
         let off_flux = self.setup.jumps.changes.field;
         let mut samples = Vec::with_capacity(cells.len());
@@ -111,14 +103,14 @@ impl Proof<'_> {
             for i in range {
                 let (spot, gradient) = (spots[i], gradients[i]);
                 let SpotSum { value, slope, errors } = sums[i];
-                let node = node(self.setup, self.fit, spot, [value, slope], gradient);
+                let node = node(self.fit, spot, [value, slope], (values[i], gradient));
                 sampled.nodes.push(node);
                 sampled.slopes.push((slope * spot.tangent).re + gradient.dot(spot.tangent));
                 sampled.rounding.push([errors[0], errors[1] + off_flux]);
                 sampled.psi.push(psi_errors[i]);
             }
             let interval = &self.fit.walk.intervals[own.interval];
-            let f = of_f(&self.setup.jumps.psi, interval.f, own.cell.disc);
+            let f = of_f(psi, interval.f, own.cell.disc);
             sampled.add_rounding(f, interval.curvature);
             self.add_logs(&mut sampled);
             samples.push(sampled);

@@ -3,12 +3,14 @@
 //! The position of a point seen from a curve is off by two units of its distance D from the origin of the curve, a
 //! fifth of which stands beside the factors that are small next to the curve, so that 16 units cover both.
 
+use crate::machine::simd::vectorised;
 use crate::problem::complex::Complex;
 use crate::spectral::geometry::curve::{Arc, Polar};
-use crate::spectral::source::far_field::FarSizes;
+use crate::spectral::source::far_field::{FarField, FarSizes};
 use crate::spectral::source::potential::{Jump, Potential};
-use crate::spectral::source::psi::{Psi, PsiPart};
+use crate::spectral::source::psi::Psi;
 use std::f64::consts::TAU;
+use std::ops::Add;
 
 /// Bounds at a point.
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,7 +32,13 @@ impl Psi {
     /// Bounds at points.
     pub(super) fn errors(&self, points: &[Complex]) -> Vec<PsiErrors> {
         match self {
-            Self::Jumps(parts) => points.iter().map(|&z| PsiErrors::of_parts(parts, z)).collect(),
+            Self::Jumps(parts) => {
+                let mut sums = vec![PsiErrors::default(); points.len()];
+                for part in parts {
+                    part.add(points, &mut sums, PsiErrors::far_away, Potential::errors);
+                }
+                sums
+            }
             Self::Polynomial(f) => {
                 let moduli = points.iter().map(|z| f.moduli(z.norm()));
                 let errors = moduli.map(|[_, value, slope]| PsiErrors { value, slope, bend: 0.0 });
@@ -45,47 +53,60 @@ impl PsiErrors {
         Self { value: units * self.value, slope: units * self.slope, ..self }
     }
 
-    fn add(&mut self, other: Self, factor: f64) {
-        self.value += factor * other.value;
-        self.slope += factor * other.slope;
-        self.bend += factor * other.bend;
+    /// Those of a small shape at a point far away from it.
+    fn far_away(far: &FarField, z: Complex) -> Self {
+        let FarSizes { value, slope, bend } = far.sizes(z);
+        Self { value, slope, bend }.scaled(UNITS * f64::EPSILON)
     }
+}
 
-    fn of_parts(parts: &[PsiPart], z: Complex) -> Self {
-        let mut sum = Self::default();
-        for part in parts {
-            let own = match part.far_from(z) {
-                Some(far) => {
-                    let FarSizes { value, slope, bend } = far.sizes(z - part.middle);
-                    Self { value, slope, bend }.scaled(UNITS * f64::EPSILON)
-                }
-                None => part.potential.errors(z - part.middle),
-            };
-            sum.add(own, 1.0);
-        }
-        sum
+impl Add for PsiErrors {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        let Self { value, slope, bend } = other;
+        Self { value: self.value + value, slope: self.slope + slope, bend: self.bend + bend }
     }
 }
 
 impl Potential {
-    /// Bounds at a point.
-    fn errors(&self, z: Complex) -> PsiErrors {
-        let logs = self.logs(&[z]);
+    /// Bounds at points.
+    fn errors(&self, points: &[Complex]) -> Vec<PsiErrors> {
+        let logs = vectorised(
+            #[inline(always)]
+            || self.logs(points),
+        );
         // One more for each addition.
         let units = (UNITS + self.jumps.len() as f64) * f64::EPSILON;
         // The background is off by no more than two units of the jumps from which it is found.
         let background = 0.5 * (self.background.abs() + 2.0 / UNITS * self.rounded);
-        let slope = background * z.norm();
-        let mut sum = PsiErrors {
-            value: 0.5 * slope * z.norm(),
-            slope: slope + self.constant.norm(),
-            bend: background,
-        };
-        for jump in &self.jumps {
-            let ends = jump.arc.ends.map(|end| end.map(|v| [self.vertices[v] - z, logs[v]]));
-            sum.add(jump.sizes(z, ends), jump.size.abs() / (2.0 * TAU));
+        let mut errors = Vec::with_capacity(points.len());
+        for z in points {
+            let slope = background * z.norm();
+            errors.push(PsiErrors {
+                value: 0.5 * slope * z.norm(),
+                slope: slope + self.constant.norm(),
+                bend: background,
+            });
         }
-        sum.scaled(units)
+        for jump in &self.jumps {
+            let factor = jump.size.abs() / (2.0 * TAU);
+            let ends = jump.arc.ends;
+            let ends = ends.map(|end| end.map(|v| (self.vertices[v], &logs[v * points.len()..])));
+            vectorised(
+                #[inline(always)]
+                || {
+                    for (i, (sum, &z)) in errors.iter_mut().zip(points).enumerate() {
+                        let ends = ends.map(|end| end.map(|(v, logs)| [v - z, logs[i]]));
+                        let PsiErrors { value, slope, bend } = jump.sizes(z, ends);
+                        sum.value += factor * value;
+                        sum.slope += factor * slope;
+                        sum.bend += factor * bend;
+                    }
+                },
+            );
+        }
+        errors.into_iter().map(|own| own.scaled(units)).collect()
     }
 }
 
@@ -93,6 +114,7 @@ impl Jump {
     /// Sums of the moduli of all terms for a jump of 4 pi, by its ends seen from the point with their logarithms; with
     /// nu, power and logarithm of [`Potential`], whose gradients are 1, 2 nu and at most two over the distance from the
     /// curve, `(1 + nu)` times which bounds the power.
+    #[inline(always)]
     fn sizes(&self, z: Complex, ends: [Option<[Complex; 2]>; 2]) -> PsiErrors {
         let Arc { curve, span, .. } = self.arc;
         let Polar { nu, power } = curve.polar(z);

@@ -115,7 +115,7 @@ impl Sampled {
         let cell = &self.own.cell;
         let (power, scale) = if cell.is_log { (1.0, cell.span[1]) } else { (0.0, 1.0) };
         let mut sum = 0.0;
-        for (k, c) in self.legendre(test, power).into_iter().enumerate() {
+        for (k, c) in self.legendre(test, &self.weights(power)).into_iter().enumerate() {
             sum += 0.5 * (k * (k + 1)) as f64 * c.abs();
         }
         let tail = cell.tail(self.modulus(test, power)) * (POINTS * POINTS) as f64;
@@ -138,33 +138,34 @@ impl Sampled {
     /// polynomials.
     pub(super) fn bounds(&self, test: Test, power: f64) -> [f64; 2] {
         let which = usize::from(test.quantity != Quantity::Value);
-        let mut error = 0.0f64;
-        for (i, errors) in self.rounding.iter().enumerate() {
-            error = error.max(self.weight(i, power) * errors[which]);
+        let (mut error, weights) = (0.0f64, self.weights(power));
+        for (weight, errors) in weights.iter().zip(&self.rounding) {
+            error = error.max(weight * errors[which]);
         }
         let slack = self.own.cell.tail(self.modulus(test, power)) + POINTS as f64 * error;
         let mut sums = [0.0; 2];
-        for (k, c) in self.legendre(test, power).into_iter().enumerate() {
+        for (k, c) in self.legendre(test, &weights).into_iter().enumerate() {
             sums[0] += if k == 0 { c } else { -c.abs() };
             sums[1] += c.abs();
         }
         [sums[0] - slack, sums[1] + slack]
     }
 
-    /// `(r / to)^power` at a point.
-    fn weight(&self, i: usize, power: f64) -> f64 {
-        let ratio = self.distances[i] / self.own.cell.span[1];
-        match power {
-            0.0 => 1.0,
-            1.0 => ratio,
-            _ => libm::pow(ratio, power),
+    /// `(r / to)^power` at the points.
+    fn weights(&self, power: f64) -> [f64; POINTS] {
+        let mut weights = [1.0; POINTS];
+        if power != 0.0 {
+            for (weight, r) in weights.iter_mut().zip(&self.distances) {
+                let ratio = r / self.own.cell.span[1];
+                *weight = if power == 1.0 { ratio } else { libm::pow(ratio, power) };
+            }
         }
+        weights
     }
 
-    /// Coefficients of Legendre polynomials of a tested function times `(r / to)^power`.
-    fn legendre(&self, test: Test, power: f64) -> [f64; POINTS] {
-        let values: [f64; POINTS] =
-            std::array::from_fn(|i| self.weight(i, power) * self.tested(test, i));
+    /// Coefficients of Legendre polynomials of a tested function times weights.
+    fn legendre(&self, test: Test, weights: &[f64; POINTS]) -> [f64; POINTS] {
+        let values: [f64; POINTS] = std::array::from_fn(|i| weights[i] * self.tested(test, i));
         let mut coefficients = [0.0; POINTS];
         vectorised(
             #[inline(always)]
@@ -184,12 +185,11 @@ impl Sampled {
         let (cell, which) = (&self.own.cell, usize::from(test.quantity != Quantity::Value));
         let terms = if which == 0 { &self.moduli.value } else { &self.moduli.slope };
         let constant = [[which as f64, test.constant.abs()]];
+        let weights = cell.distances.map(|r| libm::pow(r / cell.span[1], power));
         let mut modulus = 0.0;
         for &[own, factor] in terms.iter().chain(&constant) {
-            let sizes = cell
-                .distances
-                .map(|r| libm::pow(r, own - which as f64) * libm::pow(r / cell.span[1], power));
-            modulus += factor * sizes[0].max(sizes[1]);
+            let [first, last] = cell.distances.map(|r| libm::pow(r, own - which as f64));
+            modulus += factor * (first * weights[0]).max(last * weights[1]);
         }
         modulus
     }

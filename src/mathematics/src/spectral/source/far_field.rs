@@ -100,7 +100,7 @@ impl FarField {
                 let Extent { centre, axis, half: [half, across] } = self.extent;
                 let seen = axis.conj() * (z - centre);
                 let (mut value, mut slope) = (0.0, Complex::default());
-                for GaussNode { x, weight } in gauss(10) {
+                for &GaussNode { x, weight } in gauss(10) {
                     let charge = -weight * density / TAU;
                     let [own, rate] =
                         segment(seen - Complex::new(0.0, across * (2.0 * x - 1.0)), half);
@@ -172,7 +172,7 @@ fn moments(potential: &Potential, most: usize) -> Vec<Complex> {
         let [from, to] = jump.arc.span;
         let step = (to - from) / PARTS as f64;
         for part in 0..PARTS {
-            for node in &rule {
+            for node in rule {
                 let s = from + step * (part as f64 + node.x);
                 let (w, way) = (jump.arc.curve.at(s), jump.arc.curve.direction(s));
                 let mut term = w.conj() * way.scaled(0.5 * jump.size * step * node.weight);

@@ -7,10 +7,12 @@
 
 use super::far_field::FarField;
 use super::polynomial::Polynomial;
+use crate::machine::simd::vectorised;
 use crate::problem::complex::Complex;
 use crate::spectral::complex::ln;
 use crate::spectral::source::potential::{Jump, Potential};
 use std::f64::consts::TAU;
+use std::ops::Add;
 
 /// psi with `-Lap psi = f`.
 #[derive(Clone)]
@@ -53,37 +55,39 @@ impl PsiPart {
         self.far.as_ref().filter(|far| far.holds(z - self.middle))
     }
 
-    pub(in crate::spectral) fn value(&self, z: Complex) -> f64 {
-        let seen = z - self.middle;
-        if let Some(far) = self.far_from(z) {
-            return far.at(seen).0;
-        }
-        let Potential { vertices, jumps, background, .. } = &self.potential;
-        let logs = self.potential.logs(&[seen]);
-        let mut sum = -0.25 * background * seen.norm2();
-        for jump in jumps {
-            sum += jump.value(seen, vertices, &logs);
-        }
-        sum
-    }
-
-    /// Adds gradients at points.
-    pub(in crate::spectral) fn add_gradients(&self, points: &[Complex], sums: &mut [Complex]) {
-        let (mut seen, mut near) = (Vec::new(), Vec::new());
+    /// Adds a quantity at points: where psi is found from far away by `far`, elsewhere by `near`.
+    pub(in crate::spectral) fn add<T: Copy + Add<Output = T>>(
+        &self,
+        points: &[Complex],
+        sums: &mut [T],
+        far: impl Fn(&FarField, Complex) -> T,
+        near: impl Fn(&Potential, &[Complex]) -> Vec<T>,
+    ) {
+        let (mut seen, mut numbers) = (Vec::new(), Vec::new());
         for (k, &z) in points.iter().enumerate() {
             match self.far_from(z) {
-                Some(far) => sums[k] = sums[k] + far.at(z - self.middle).1,
+                Some(own) => sums[k] = sums[k] + far(own, z - self.middle),
                 None => {
                     seen.push(z - self.middle);
-                    near.push(k);
+                    numbers.push(k);
                 }
             }
         }
-        if !near.is_empty() {
-            for (gradient, k) in self.potential.gradients(&seen).into_iter().zip(near) {
-                sums[k] = sums[k] + gradient;
+        if !seen.is_empty() {
+            for (own, k) in near(&self.potential, &seen).into_iter().zip(numbers) {
+                sums[k] = sums[k] + own;
             }
         }
+    }
+
+    /// Adds values at points.
+    fn add_values(&self, points: &[Complex], sums: &mut [f64]) {
+        self.add(points, sums, |far, z| far.at(z).0, Potential::values);
+    }
+
+    /// Adds gradients at points.
+    fn add_gradients(&self, points: &[Complex], sums: &mut [Complex]) {
+        self.add(points, sums, |far, z| far.at(z).1, Potential::gradients);
     }
 
     /// f of these jumps, with their background.
@@ -139,12 +143,21 @@ impl Psi {
         }
     }
 
+    /// Values at points.
+    pub(in crate::spectral) fn values(&self, points: &[Complex]) -> Vec<f64> {
+        match self {
+            Self::Jumps(parts) => {
+                let mut sums = vec![0.0; points.len()];
+                parts.iter().for_each(|part| part.add_values(points, &mut sums));
+                sums
+            }
+            Self::Polynomial(f) => points.iter().map(|&z| f.psi(z)).collect(),
+        }
+    }
+
     /// psi at a point.
     pub(in crate::spectral) fn value(&self, z: Complex) -> f64 {
-        match self {
-            Self::Polynomial(f) => f.psi(z),
-            Self::Jumps(parts) => parts.iter().map(|part| part.value(z)).sum(),
-        }
+        self.values(&[z])[0]
     }
 
     /// f at a point, where psi belongs to jumps off them.
@@ -156,33 +169,64 @@ impl Psi {
     }
 }
 
-impl Jump {
-    /// Part of psi at a point z, with the vertices and the logarithms of their distances from it.
-    fn value(&self, z: Complex, vertices: &[Complex], logs: &[Complex]) -> f64 {
-        let mut ratio = [Complex::default()];
-        self.log_ratios(logs, &mut ratio);
-        let power = self.arc.curve.polar(z).power;
-        let angle = self.logarithm(ratio[0], power).im;
-        let part = match self.arc.curve.centre() {
-            None => self.line_value(z, vertices, logs, angle),
-            Some(centre) => {
-                let ends = self.arc.ends.map(|end| end.map(|v| [vertices[v] - centre, logs[v]]));
-                self.circle_value(z - centre, ends, [power, angle])
-            }
-        };
-        self.size / (2.0 * TAU) * part
+impl Potential {
+    /// psi at points.
+    fn values(&self, points: &[Complex]) -> Vec<f64> {
+        vectorised(
+            #[inline(always)]
+            || {
+                let mut sums: Vec<f64> =
+                    points.iter().map(|z| -0.25 * self.background * z.norm2()).collect();
+                let (logs, mut ratios) = (self.logs(points), points.to_vec());
+                for jump in &self.jumps {
+                    jump.log_ratios(&logs, &mut ratios);
+                    jump.add_values(points, [&logs, &ratios], &self.vertices, &mut sums);
+                }
+                sums
+            },
+        )
     }
+}
 
-    /// With the angle under which the segment is seen.
-    fn line_value(&self, z: Complex, vertices: &[Complex], logs: &[Complex], angle: f64) -> f64 {
-        let local = self.arc.curve.local(z);
-        let mut sum = local.im * angle;
-        for (end, sign) in self.arc.ends.into_iter().zip([-1.0, 1.0]) {
-            let Some(v) = end else { continue };
-            let along = self.arc.curve.tangent.dot(vertices[v] - z);
-            sum += sign * along * (logs[v].re - 0.5);
+impl Jump {
+    /// Adds its part of psi at points, with the logarithms of their distances from the vertices, vertex by vertex, and
+    /// the differences of those of its ends.
+    #[inline(always)]
+    fn add_values(
+        &self,
+        points: &[Complex],
+        [logs, ratios]: [&[Complex]; 2],
+        vertices: &[Complex],
+        sums: &mut [f64],
+    ) {
+        let (many, factor) = (points.len(), self.size / (2.0 * TAU));
+        let ends =
+            self.arc.ends.map(|end| end.map(|v| (vertices[v], &logs[v * many..(v + 1) * many])));
+        match self.arc.curve.centre() {
+            None => {
+                for ((sum, &z), &ratio) in sums.iter_mut().zip(points).zip(ratios) {
+                    let local = self.arc.curve.local(z);
+                    let angle = self.logarithm(ratio, 2.0 * local.im).im;
+                    *sum -= factor * local.im * local.im * angle;
+                }
+                for (end, sign) in ends.into_iter().zip([-1.0, 1.0]) {
+                    let Some((vertex, logs)) = end else { continue };
+                    for ((sum, &z), log) in sums.iter_mut().zip(points).zip(logs) {
+                        let across = sign * factor * self.arc.curve.local(z).im;
+                        let along = self.arc.curve.tangent.dot(vertex - z);
+                        *sum -= across * along * (log.re - 0.5);
+                    }
+                }
+            }
+            Some(centre) => {
+                for (i, (sum, &z)) in sums.iter_mut().zip(points).enumerate() {
+                    let power = self.arc.curve.polar(z).power;
+                    let angle = self.logarithm(ratios[i], power).im;
+                    let ends = ends.map(|end| end.map(|(v, logs)| [v - centre, logs[i]]));
+                    *sum += factor * self.circle_value(z - centre, ends, [power, angle]);
+                }
+            }
         }
-        -local.im * sum
     }
 
     /// With z seen from the centre, and the ends seen from there with the logarithms of their distances from z.

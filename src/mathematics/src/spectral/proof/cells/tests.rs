@@ -34,7 +34,7 @@ fn errors_of_gauss_rules_are_bounded_within_a_constant() {
         let exact = -2.0 / ((degree * degree) as f64 - 1.0);
         for rho in [3.5, 6.0] {
             let cell = cell(rho);
-            let nodes = cell.nodes(&gauss(POINTS));
+            let nodes = cell.nodes(gauss(POINTS));
             let sum: f64 = nodes.iter().map(|[x, weight]| weight * chebyshev(degree, *x)).sum();
             let (error, bound) = ((sum - exact).abs(), cell.gauss_error(modulus(degree, rho)));
             assert!(error > 0.1 && error < bound, "{degree} {rho}: {error} {bound}");

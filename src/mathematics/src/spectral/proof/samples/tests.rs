@@ -99,7 +99,7 @@ fn rounding_errors_at_the_points_are_bounded_between_them() {
 /// Values at many points of a cell: distances from the end, weights, and v, its flux and its slope.
 fn dense(own: &SolvedKnown, sampled: &Sampled) -> Vec<([f64; 2], [f64; 3])> {
     let (fit, cell) = (&own.found.fit, &sampled.own);
-    let nodes = cell.cell.nodes(&gauss(45));
+    let nodes = cell.cell.nodes(gauss(45));
     let spots: Vec<Spot> = nodes
         .iter()
         .map(|[r, weight]| fit.walk.spot(cell.interval, cell.side, *r, *weight))

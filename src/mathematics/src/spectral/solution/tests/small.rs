@@ -114,7 +114,7 @@ fn with_rectangle(b: f64, jump: f64, [left, right, low, high]: [f64; 4]) -> f64 
     let rule = gauss(48);
     // Integral of the logarithms of all distances: along the longer sides in closed form.
     let mut logs = 0.0;
-    for node in &rule {
+    for node in rule {
         // Short steps where it is least smooth.
         let t = short * node.x.powi(3);
         let square = long * long + t * t;
@@ -124,8 +124,8 @@ fn with_rectangle(b: f64, jump: f64, [left, right, low, high]: [f64; 4]) -> f64 
     }
     let rule = gauss(14);
     let mut points = Vec::new();
-    for one in &rule {
-        for other in &rule {
+    for one in rule {
+        for other in rule {
             let [x, y] = [left + (right - left) * one.x, low + (high - low) * other.x];
             points.push((Complex::new(x, y), one.weight * other.weight));
         }
