@@ -74,7 +74,7 @@ fn on_boundary(grid: Grid, i: usize, j: usize) -> f64 {
 
 /// 1 and -1 in turn in the middle of the square, 0 around it.
 fn wave(grid: Grid, [i, j]: [usize; 2], k: usize) -> f64 {
-    let (last, sign) = (grid.cells(), if k % 2 == 0 { 1.0 } else { -1.0 });
+    let (last, sign) = (grid.cells(), if k.is_multiple_of(2) { 1.0 } else { -1.0 });
     let is_inside = [i, j].iter().all(|&k| k > last / 5 && k < last - last / 5);
     if is_inside { sign } else { 0.0 }
 }

@@ -159,8 +159,9 @@ fn check_boundary(law: Law, v: &[f64], recovered: &[f64], (data, found): (&AllCe
     let mut linear = 0.0;
     for b in 0..outer.len() {
         let (p, q) = (outer[b], outer[(b + 1) % outer.len()]);
-        linear +=
-            (0..400).map(|k| potential(law, p + (k as f64 + 0.5) / 400.0 * (q - p))).sum::<f64>();
+        linear += (0..400)
+            .map(|k| potential(law, p + (f64::from(k) + 0.5) / 400.0 * (q - p)))
+            .sum::<f64>();
     }
     linear *= h / 400.0;
     assert!(
@@ -192,9 +193,9 @@ fn values_that_the_law_forbids_become_zero_and_count_with_their_distance() {
         let y = vector(grid, k, 1.0);
         for law in laws() {
             let moved = project(grid, Slips::of_law(law), &y);
-            for node in 0..grid.nodes() {
-                let is_kept = !grid.boundary().any(|b| b == node) || allows(law, y[node]);
-                assert_eq!(moved.v[node], if is_kept { y[node] } else { 0.0 });
+            for (node, (&value, &found)) in y.iter().zip(&*moved.v).enumerate() {
+                let is_kept = !grid.boundary().any(|b| b == node) || allows(law, value);
+                assert_eq!(found, if is_kept { value } else { 0.0 });
             }
             assert!(
                 close(moved.distance, super::known::distance(grid, &y, &moved.v), 1e-13),

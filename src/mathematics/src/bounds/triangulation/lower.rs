@@ -227,9 +227,8 @@ mod tests {
             let mut slopes = [[0.0; D]; V];
             for [i, j] in CellBubbles::<D, V>::edges() {
                 let size = 4.0 * bubbles[edges.number(number, nodes, [i, j])].size();
-                for d in 0..D {
-                    slopes[i][d] += size * element.gradients[j][d];
-                    slopes[j][d] += size * element.gradients[i][d];
+                for (at, slope) in [(i, element.gradients[j]), (j, element.gradients[i])] {
+                    slopes[at].iter_mut().zip(slope).for_each(|(sum, x)| *sum += size * x);
                 }
             }
             let mean = from_fn(|d| slopes.iter().map(|slope| slope[d]).sum::<f64>());
