@@ -184,7 +184,8 @@ fn json_has_the_reason_and_the_remedy_of_each_failure() {
         let json = said.json();
         let [failure, remedy] = ["failure", "remedy"].map(|name| json[name].as_str().unwrap());
         assert_eq!(said.code, Some(3), "{said:?}");
-        assert_eq!(text.err, format!("error: {failure}; {remedy}\n"), "{json}");
+        let name = json["scene"].as_str().unwrap();
+        assert_eq!(text.err, format!("error: {name}: {failure}; {remedy}\n"), "{json}");
     }
     // A warning alone has its remedy in the line of the text, and apart in JSON.
     let poor = ["--f", "disc(0,0,1e-7)=1e15; else=-100"];
