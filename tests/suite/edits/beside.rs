@@ -2,6 +2,7 @@
 
 use super::{Files, one_of};
 use crate::common::{Dice, Project};
+use serde_json::Value;
 use std::fs;
 
 /// Options over a study, each with its key of a scene.
@@ -40,10 +41,19 @@ pub(super) fn compare_options(
     if [over.code, in_scene.code].contains(&Some(2)) {
         return Ok(false);
     }
-    match over.out == in_scene.out {
+    match rows(&over.out) == rows(&in_scene.out) {
         true => Ok(!over.out.is_empty()),
         false => Err(format!("{option:?} over {text}: {over:?}\nas a key: {in_scene:?}")),
     }
+}
+
+/// Rows of a study in JSON, without the name of its scene.
+fn rows(text: &str) -> Vec<Value> {
+    let mut rows: Vec<Value> = text.lines().map(|row| row.parse().unwrap()).collect();
+    for fields in rows.iter_mut().filter_map(Value::as_object_mut) {
+        fields.remove("scene");
+    }
+    rows
 }
 
 /// Edits an export by hand: the dry run refuses what the run refuses, and names the file; then the export is as it was.
