@@ -82,7 +82,7 @@ impl Level {
             shortest: 1e-4,
             found: 1e-7,
             noise: 1e-6,
-            enough: 1e-11,
+            enough: 1e-12,
         },
         Self {
             ratio: 2.2,
