@@ -1,9 +1,11 @@
 //! Brackets of solutions whose energy is known, as they are and spoilt.
 
 use crate::spectral::contact::search::PlaneFound;
-use crate::spectral::proof::bench::all_known;
 use crate::spectral::proof::bench::spoilt::{added, check, spoilings};
+use crate::spectral::proof::bench::{all_known, solved};
 use crate::spectral::proof::bounds::proved;
+use crate::spectral::source::changes::Changes;
+use std::f64::consts::PI;
 
 #[test]
 fn brackets_hold_energies_that_are_known() {
@@ -16,6 +18,21 @@ fn brackets_hold_energies_that_are_known() {
         many += 1;
     }
     assert!(many >= 20, "{many} problems");
+}
+
+/// With a weight more, or less, of f on a small disc in the middle, where v is -1/4, the energy differs by the weight
+/// times v but for the square of the weight.
+#[test]
+fn brackets_hold_energies_of_an_f_that_differs_by_its_changes() {
+    let (weight, radius) = (1e-6, 1e-3f64);
+    let mut changes = Changes::default();
+    changes.add_disc(weight / (PI * radius * radius), radius);
+    let mut own = solved("disc in contact");
+    own.setup.jumps.changes = changes;
+    let ([lower, upper], _) = proved(&own.setup, &own.found).unwrap();
+    let moved = 0.25 * weight;
+    assert!(lower < own.energy - moved && own.energy + moved < upper, "{lower} {upper}");
+    assert!(own.energy - lower < 40.0 * moved && upper - lower < 1e-2, "{lower} {upper}");
 }
 
 #[test]
