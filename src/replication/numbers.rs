@@ -147,12 +147,11 @@ impl Numbers {
     /// Values in some columns, null where there is none.
     pub(crate) fn values<'a>(&self, columns: &[&'a str]) -> Vec<(&'a str, Value)> {
         let mut all = self.json();
-        let named = |column| all.remove(if column == END { STOP } else { column });
-        columns
-            .iter()
-            .copied()
-            .zip(columns.iter().copied().map(named).map(Option::unwrap_or_default))
-            .collect()
+        let value = |&column: &&'a str| {
+            let field = if column == END { STOP } else { column };
+            (column, all.remove(field).unwrap_or_default())
+        };
+        columns.iter().map(value).collect()
     }
 
     /// Values in some columns, with all digits; empty where there is none.

@@ -57,10 +57,6 @@ impl Answer {
         Self { solved, contact, force, values, record }
     }
 
-    fn way(&self) -> Option<&Reached> {
-        details::way(&self.solved)
-    }
-
     /// Nodal values on the finest level, and the multiplier; those of a true solution take a while.
     pub(super) fn pair(&self) -> Pair {
         match self.solved.truth() {
@@ -186,7 +182,7 @@ impl Answer {
         let (problem, solver) = (&self.solved.problem, request.statement.solver);
         let mut settings = vec![format!("solver {solver}")];
         settings.extend((run.solver != solver).then(|| format!("then {}", run.solver)));
-        settings.extend(match self.way() {
+        settings.extend(match details::way(&self.solved) {
             Some(way) => Some(format!("{} {} meshes", way.tried, way.kind())),
             None => request.refined(problem.finest()),
         });
@@ -213,7 +209,7 @@ impl Answer {
 
     /// Returns the end of the way to an accuracy on meshes, the last with so many nodes.
     fn end_of_meshes(&self, nodes: usize) -> Option<String> {
-        let Reached { tried, end, .. } = self.way()?;
+        let Reached { tried, end, .. } = details::way(&self.solved)?;
         Some(format!("{tried} meshes, the last of {nodes} nodes: {}\n", reason(*end)))
     }
 
@@ -232,7 +228,7 @@ impl Answer {
             let mut row = vec![
                 outcome.label(),
                 outcome.end.iterations.to_string(),
-                match self.way() {
+                match details::way(&self.solved) {
                     Some(_) => outcome.end.stop.name().to_owned(),
                     None => outcome.name().to_owned(),
                 },
