@@ -86,7 +86,7 @@ pub(crate) struct Fields {
     /// Value at the centre of a coarse cell on the next grid of the square [default: the scene's, or bilinear]
     #[arg(long, value_name = "RULE", hide_short_help = true, value_parser = prolongation_parser())]
     pub prolongation: Option<Prolongation>,
-    /// KKT residual over the largest load at which multigrid stops [default: the rounding floor]
+    /// KKT residual over the largest load at which the solver stops [default: the rounding floor, or --stop]
     #[arg(long, value_name = "RESIDUAL", hide_short_help = true, allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
     /// Guaranteed relative error in the energy norm; chooses the grid by itself, or refines the mesh where it is coarse

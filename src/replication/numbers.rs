@@ -34,7 +34,7 @@ pub(crate) struct Numbers {
     force: Option<f64>,
     nodes: Option<usize>,
     iterations: Option<usize>,
-    /// Cost of multigrid, in sweeps of the finest level.
+    /// Cost in sweeps of the finest level, those of coarser levels included; none of factors and true solutions.
     work_units: Option<f64>,
     /// Iterations on each of the nested grids or meshes of a saddle-point method, coarsest first.
     iterations_per_grid: Option<Vec<usize>>,
@@ -69,7 +69,6 @@ impl Numbers {
         let (last, truth) = (run.map(Run::last), solved.truth());
         let is_bounded = statement.accuracy().is_some();
         let stop = last.map_or(CONVERGED, |last| last.name_of(is_bounded));
-        let is_multigrid = statement.solver == Solver::Multigrid;
         let counts = solved.ends().iter().map(|end| end.end.iterations);
         let reserves = solved.reserves().into_iter().map(Reserve::name).collect::<Vec<_>>();
         Self {
@@ -86,7 +85,7 @@ impl Numbers {
             force: Some(solved.force()),
             nodes: last.map(|last| last.nodes),
             iterations: last.map(|last| last.end.iterations).or(truth.map(|found| found.steps)),
-            work_units: last.filter(|_| is_multigrid).map(|last| last.end.work_units),
+            work_units: work_units(solved),
             iterations_per_grid: statement.solver.is_nested().then(|| counts.collect()),
             stop: Some(stop.into()),
             kkt_relative: last.map(|last| last.kkt.relative),
@@ -158,6 +157,16 @@ impl Numbers {
     pub(crate) fn cells(&self, columns: &[&str]) -> Vec<String> {
         self.values(columns).iter().map(|(_, value)| cell(value)).collect()
     }
+}
+
+/// Cost in sweeps of the finest level: visits of unknowns on all levels, over their number on the finest.
+fn work_units(solved: &Solved) -> Option<f64> {
+    let run = solved.run().filter(|run| run.solver != Solver::ActiveSet)?;
+    if !run.solver.is_nested() {
+        return Some(run.last().end.work_units);
+    }
+    let visits = run.ends.iter().map(|level| level.end.work_units * level.nodes as f64);
+    Some(visits.sum::<f64>() / run.last().nodes as f64)
 }
 
 /// Returns a value of a row as a table has it.

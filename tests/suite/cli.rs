@@ -390,8 +390,8 @@ fn solve_refuses_in_one_line() {
         (&["--domain", "cube", "--f", "else=-1", "--out", "v.svg"], "use .vtu"),
         (&["--domain", "cube", "--f", "else=-1", "--out", "v.vti"], "is written as .vtu"),
         (
-            &["--f", "else=-1", "--tolerance", "1e-6", "--solver", "uzawa"],
-            "is for --solver multigrid",
+            &["--f", "else=-1", "--tolerance", "1e-6", "--solver", "uzawa", "--stop", "signed"],
+            "both say where the solver stops",
         ),
         (
             &["--domain", "cube", "--f", "else=-1", "--tolerance", "nan"],

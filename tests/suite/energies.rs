@@ -232,7 +232,7 @@ fn uzawa_ends_at_every_scale() {
         let f = format!(
             "rect(-0.2,0.35,-0.3,0.1)=1.1{scale}; disc(-0.25,0.2,0.12)=-0.7{scale}; else=-0.41{scale}"
         );
-        for solver in ["uzawa", "uzawa-proximal"] {
+        for solver in ["uzawa", "uzawa-loose", "uzawa-proximal"] {
             let command = ["solve", "--h", "1/16", "--f", &f, "--solver", solver, "--json"];
             let json = project.run(&command).json();
             assert_eq!(json["stop"], "converged", "{scale}: {json}");

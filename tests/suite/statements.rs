@@ -23,8 +23,15 @@ const DOMAINS: [&[&str]; 7] = [
 const LAWS: [&[&str]; 3] = [&[], &["--friction"], &["--limit"]];
 
 /// Solvers that are on all domains, then the one that is in the plane.
-const SOLVERS: [&str; 6] =
-    ["multigrid", "active-set", "arrow-hurwicz", "uzawa", "uzawa-proximal", "spectral"];
+const SOLVERS: [&str; 7] = [
+    "multigrid",
+    "active-set",
+    "arrow-hurwicz",
+    "uzawa",
+    "uzawa-loose",
+    "uzawa-proximal",
+    "spectral",
+];
 
 /// A project with a mesh and a scene.
 fn project() -> Project {

@@ -48,14 +48,15 @@ impl Fields {
         let of_accuracy = self.accuracy().and(load.map(|_| Statement::LOAD));
         let saddle = base.saddle.unwrap_or_default();
         let saddle = solver.is_nested().then(|| self.saddle_over(saddle, voice)).transpose()?;
-        let tolerance = self.tolerance.or(base.tolerance.filter(|_| self.accuracy().is_none()));
+        let keeps = self.accuracy().is_none() && self.stop.is_none();
+        let tolerance = self.tolerance.or(base.tolerance.filter(|_| keeps));
         positive("tolerance", tolerance, "1e-8", voice)?;
         Ok(Statement {
             fineness,
             solver,
             load: self.load.or(of_accuracy).or(load),
             saddle,
-            tolerance: tolerance.filter(|_| solver == Solver::Multigrid),
+            tolerance: tolerance.filter(|_| solver == Solver::Multigrid || solver.is_nested()),
             ..base
         })
     }

@@ -72,7 +72,7 @@ pub(crate) enum Voice {
 /// Facts that several fields say.
 const HOW_FINE: &str = "how fine";
 const LAW: &str = "which law holds";
-const GOAL: &str = "where multigrid stops";
+const GOAL: &str = "where the solver stops";
 
 /// Field for all solvers on all domains, which an option may change.
 const ANY: Field = Field {
@@ -210,8 +210,12 @@ pub(crate) const FIELDS: [Field; 19] = [
     },
     Field {
         name: "stop",
+        says: &[GOAL],
         given: |of| of.stop.is_some(),
-        value: |of| Some(vec![of.saddle?.stop.name()].into()),
+        value: |of| {
+            let saddle = of.saddle.filter(|_| of.tolerance.is_none());
+            Some(vec![saddle?.stop.name()].into())
+        },
         ..OF_SADDLE
     },
     Field {
@@ -229,7 +233,7 @@ pub(crate) const FIELDS: [Field; 19] = [
     },
     Field {
         name: "tolerance",
-        solvers: |solver| solver == Solver::Multigrid,
+        solvers: |solver| solver == Solver::Multigrid || solver.is_nested(),
         says: &[GOAL],
         given: |of| of.tolerance.is_some(),
         value: |of| of.tolerance.map(Value::from),

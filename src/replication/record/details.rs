@@ -77,7 +77,7 @@ pub(crate) fn settings(statement: &Statement, law: Law) -> Vec<(&'static str, Va
     settings.extend(load.map(|rule| ("load", rule.name().into())));
     if let Some(SaddleSettings { prolongation, r, stop, max_iterations }) = saddle {
         settings.push(("r", (*r).into()));
-        settings.push(("stop", stop.name().into()));
+        settings.extend(tolerance.is_none().then(|| ("stop", stop.name().into())));
         settings.push(("max_iterations", (*max_iterations).into()));
         settings.extend(load.map(|_| ("prolongation", prolongation.name().into())));
     }

@@ -193,7 +193,7 @@ impl Judge<'_> {
             (Solver::Multigrid, _) if self.statement.accuracy().is_some() => {
                 Remedy::of_words("ask for a smaller accuracy")
             }
-            (Solver::Multigrid, _) if tolerance.is_some() => {
+            _ if tolerance.is_some() => {
                 Remedy::of_words(format!("ask for a smaller {}", self.voice.name("tolerance")))
             }
             // Multigrid leaves to the active set what its steps do not solve.
@@ -236,6 +236,7 @@ impl Judge<'_> {
         let (problem, ends, mut warnings) = (&solved.problem, solved.ends(), Vec::new());
         let (count, coarsest) = (problem.count(), ends[0].cells);
         if self.statement.solver.is_nested()
+            && self.statement.tolerance.is_none()
             && let Some(coarsest) = coarsest.filter(|&cells| cells > COARSE)
         {
             let what = if count == 1 { "has no coarser ones" } else { "begins the nested grids" };
@@ -257,7 +258,9 @@ impl Judge<'_> {
             )));
         }
         if let Some(grids) = named(problem, coarse, |end| !end.end.has_converged()) {
-            let fact = format!("the stopping rule was not met on {grids}");
+            let goal =
+                if self.statement.tolerance.is_some() { "tolerance" } else { "stopping rule" };
+            let fact = format!("the {goal} was not met on {grids}");
             warnings.push(Warning::fact(fact));
         }
         warnings

@@ -115,7 +115,8 @@ const EXACT: f64 = 1e-6;
 /// Solves on each level in turn, starting from zero and then from the interpolated pair.
 ///
 /// On the k-th level `params.tolerance` is replaced by [`tolerance`]`(k)`, and the inner bound of Uzawa's method by a
-/// tenth of this; where that is a tiny part of the load, minimisations are loose. Returns the outcome on each level and
+/// tenth of this, or of the KKT residual that ends the run; where that is a tiny part of the load, minimisations are
+/// loose. Returns the outcome on each level and
 /// the last pair; ends after a level on which the iteration diverged.
 ///
 /// # Panics
@@ -132,7 +133,9 @@ pub fn solve_nested<L: NestedLevels + ?Sized>(
     // A run that has diverged ends: the outcome says so.
     let _ = run_nested(levels, &mut pair, |k, [pair]: &mut [Pair; 1]| {
         let (level, tolerance) = (k + 1, tolerance(k + 1));
-        let method = params.method.with_inner(0.1 * tolerance).above(EXACT * largest(&loads[k]));
+        let load = largest(&loads[k]);
+        let bound = params.kkt.map_or(tolerance, |kkt| kkt * load);
+        let method = params.method.with_inner(0.1 * bound).above(EXACT * load);
         let params = Params { method, tolerance, ..*params };
         let watched = monitor.wants_iterations();
         let mut on_iteration = |iteration: &Iteration| monitor.iteration(level, iteration);

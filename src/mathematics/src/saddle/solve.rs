@@ -25,6 +25,8 @@ pub struct Params {
     pub tolerance: f64,
     /// Stopping rule. It uses the gradient (8), without the proximal term.
     pub rule: StopRule,
+    /// KKT residual over the largest component of F that ends the run in place of the rule; none with a rule.
+    pub kkt: Option<f64>,
     /// Limit on the number of sweeps; an iteration of the paper is one sweep.
     pub max_iterations: usize,
 }
@@ -36,6 +38,7 @@ impl Default for Params {
             r: 1.0,
             tolerance: 1e-5,
             rule: StopRule::Signed,
+            kkt: None,
             max_iterations: 1_000_000,
         }
     }
@@ -147,7 +150,7 @@ fn run_to_rule(
     params: &Params,
     mut monitor: Option<OnIteration>,
 ) -> End {
-    let goal = JobGoal::Rule(params.rule, params.tolerance);
+    let goal = params.kkt.map_or(JobGoal::Rule(params.rule, params.tolerance), JobGoal::Kkt);
     run_alone(engine, state, &mut |engine, run| {
         if let Some(monitor) = monitor.as_mut() {
             let [gradient_signed, gradient_abs] = gradient_extrema(engine);

@@ -38,7 +38,7 @@ pub struct Settings {
     pub solver: Solver,
     /// Settings of the saddle-point methods.
     pub saddle: SaddleSettings,
-    /// Goal of multigrid.
+    /// Goal of multigrid; of saddle-point methods too if it is a KKT residual.
     pub goal: Goal,
 }
 

@@ -3,11 +3,12 @@
 use super::{Refusal, SaddleSettings, Settings, Solver};
 use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::Judgement;
+use crate::discrete::norms::largest;
 use crate::discrete::stop::Stop;
 use crate::levels::{Discrete, Problem, ProblemError, read};
 use crate::mesh::{Condition, PlaneMesh};
 use crate::multigrid::active_set::{active_set as solve_lattice, active_set_from};
-use crate::multigrid::{InputError, MultigridParams, solve_square};
+use crate::multigrid::{Goal, InputError, MultigridParams, solve_square};
 use crate::multilevel::solve_nested_networks;
 use crate::problem::source::Source;
 use crate::saddle::{Monitor, NestedGrids, Pair, Params, solve_nested};
@@ -164,7 +165,8 @@ fn on_finest(
     Ok(FoundSolution::Vector(judged(problem, solver, y, end)))
 }
 
-/// Runs a saddle-point method over all levels, until its stopping rule is met.
+/// Runs a saddle-point method over all levels, until its stopping rule is met, or on each the KKT residual that is
+/// asked for.
 pub(super) fn saddle(
     problem: &Problem,
     settings: &Settings,
@@ -175,7 +177,11 @@ pub(super) fn saddle(
     let SaddleSettings { prolongation, r, stop, max_iterations } = settings.saddle;
     let usual = Params::default();
     let method = settings.solver.entry().method.unwrap_or(usual.method);
-    let params = &Params { method, r, rule: stop, max_iterations, ..usual };
+    let kkt = match settings.goal {
+        Goal::Kkt(bound) => Some(bound / largest(problem.load())),
+        _ => None,
+    };
+    let params = &Params { method, r, rule: stop, kkt, max_iterations, ..usual };
     let (ends, pair) = match problem.levels().discrete() {
         Discrete::Lattices(lattices) => {
             let nested = NestedGrids { grids: lattices.grids(), prolongation };

@@ -10,6 +10,8 @@ pub enum Solver {
     ArrowHurwicz,
     /// Uzawa's method.
     Uzawa,
+    /// Uzawa's method, each minimisation as far as it is of use.
+    UzawaLoose,
     /// Uzawa's method with the proximal term.
     UzawaProximal,
     /// Primal-dual active set.

@@ -49,7 +49,7 @@ const NESTED: SolverEntry = SolverEntry {
 };
 
 /// Solvers, in the order of the help.
-pub const SOLVERS: [SolverEntry; 6] = [
+pub const SOLVERS: [SolverEntry; 7] = [
     NESTED,
     SolverEntry {
         solver: Solver::Uzawa,
@@ -57,6 +57,14 @@ pub const SOLVERS: [SolverEntry; 6] = [
         in_words: "Uzawa",
         description: "Uzawa's method on nested grids: a full minimisation before each step of the multiplier",
         method: Some(Method::Uzawa { weight: 0.0, inner: 0.0, loose: false }),
+        ..NESTED
+    },
+    SolverEntry {
+        solver: Solver::UzawaLoose,
+        name: "uzawa-loose",
+        in_words: "loose Uzawa",
+        description: "Uzawa's method, each minimisation to a tenth of the gradient alone",
+        method: Some(Method::Uzawa { weight: 0.0, inner: 0.0, loose: true }),
         ..NESTED
     },
     SolverEntry {
@@ -166,7 +174,8 @@ mod tests {
             );
         }
         let nested = Solver::nested();
-        assert_eq!(nested, [Solver::ArrowHurwicz, Solver::Uzawa, Solver::UzawaProximal]);
+        let uzawa = [Solver::Uzawa, Solver::UzawaLoose, Solver::UzawaProximal];
+        assert_eq!(nested, [&[Solver::ArrowHurwicz], &uzawa[..]].concat());
         assert_eq!(
             Solver::on_grids(),
             [&nested[..], &[Solver::ActiveSet, Solver::Multigrid]].concat()
