@@ -1,7 +1,7 @@
 //! Names of the columns of a study.
 
 /// Columns of the numbers, in their order.
-pub(crate) const COLUMNS: [&str; 22] = [
+pub(crate) const COLUMNS: [&str; 23] = [
     "energy",
     "energy_lower",
     "energy_upper",
@@ -19,6 +19,7 @@ pub(crate) const COLUMNS: [&str; 22] = [
     "iterations_per_grid",
     STOP,
     "kkt_relative",
+    "delta_a",
     "solver",
     "reserve",
     "warnings",

@@ -42,6 +42,8 @@ pub(crate) struct Numbers {
     stop: Option<String>,
     /// KKT residual over the largest load; none of a true solution.
     kkt_relative: Option<f64>,
+    /// Last change of the multiplier of a saddle-point method.
+    delta_a: Option<f64>,
     /// Solver that found it.
     solver: String,
     /// Approximations that the bounds leave out; none if there are none.
@@ -89,6 +91,7 @@ impl Numbers {
             iterations_per_grid: statement.solver.is_nested().then(|| counts.collect()),
             stop: Some(stop.into()),
             kkt_relative: last.map(|last| last.kkt.relative),
+            delta_a: last.and_then(|last| last.end.delta_a),
             solver: run.map_or(statement.solver, |run| run.solver).to_string(),
             reserve: (bounds.is_some() && !reserves.is_empty()).then(|| reserves.join(" ")),
             warnings: record.facts(),

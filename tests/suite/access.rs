@@ -8,16 +8,14 @@ use std::fs;
 const AXE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/target/axe/package/axe.min.js");
 
 /// Pages of each kind.
-const PAGES: [&str; 10] = [
+const PAGES: [&str; 8] = [
     "introduction",
     "explore",
     "method",
     "tables",
     "stopping",
     "claims",
-    "cost-tables",
     "own-problems",
-    "search-tables",
     "provenance",
 ];
 

@@ -1,26 +1,12 @@
-//! Errors against known solutions, the experiment on work, the record of times, and the command that makes it.
+//! Errors against known solutions, the record of times, and the command that makes it.
 
-use crate::common::{Project, TABLE, found};
-use crate::solvers::on_threads;
-use serde_json::json;
+use crate::common::{Project, TABLE};
 use signorini::timing::recorded::{GOALS, PATH, PUBLISHED, Timings, number, text};
-use signorini_mathematics::experiments::Findings;
 use signorini_mathematics::experiments::timed::TimedPlan;
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::solvers::Solver;
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
 use std::process::{Command, Output};
-use std::sync::OnceLock;
-
-/// The experiment of the book on fewer and coarser grids.
-fn findings() -> &'static Findings {
-    static ONCE: OnceLock<Findings> = OnceLock::new();
-    ONCE.get_or_init(|| {
-        let coarse =
-            json!({ "laws": [["exact(free-corner)", [16, 32, 64]]], "compared": [8, 16, 32] });
-        found("work", &coarse).unwrap()
-    })
-}
 
 #[test]
 fn slopes_are_those_of_linear_elements() {
@@ -38,30 +24,6 @@ fn slopes_are_those_of_linear_elements() {
             assert!((found - slope).abs() < 0.05, "{exact:?}: {found} for {slope}");
         }
     }
-}
-
-#[test]
-fn sweeps_grow_like_the_inverse_square_of_the_width() {
-    let from_zero = findings()["sweeps"].wherever("nested", false).unwrap();
-    for target in [1e-3, 1e-6] {
-        let points =
-            from_zero.wherever("target", target).unwrap().points("cells", "sweeps").unwrap();
-        let [(16.0, _), (32.0, middle), (64.0, fine)] = points[..] else { panic!("{points:?}") };
-        assert!(((fine / middle).log2() - 2.0).abs() < 0.25, "{points:?}");
-    }
-    // On the finest grid multigrid takes far less, and each method has reached the error on each grid.
-    let rows = &findings()["compared"];
-    assert_eq!(rows.len(), 3);
-    let [multigrid, arrow_hurwicz, uzawa] =
-        ["multigrid", "arrow_hurwicz", "uzawa"].map(|column| number(&rows[2], column));
-    assert!(arrow_hurwicz.min(uzawa) > 20.0 * multigrid, "{rows:?}");
-}
-
-#[test]
-fn the_experiment_depends_on_no_thread_count() {
-    let plan = json!({ "laws": [["exact(free-corner)", [8, 16]]], "compared": [4, 8] });
-    let rows = || found("work", &plan);
-    assert_eq!(on_threads(1, rows), on_threads(3, rows));
 }
 
 fn bench(args: &[&str]) -> Output {

@@ -32,21 +32,8 @@ const OTHERS: [&str; 16] = [
 
 /// Fields of the plan of an experiment with which it takes next to no time.
 fn coarse(experiment: &str) -> Value {
-    let problems = || {
-        let mut problems = json!(table_problems());
-        for problem in problems.as_array_mut().unwrap() {
-            problem["statement"]["fineness"] = json!({ "grids": [4, 8, 16] });
-        }
-        problems
-    };
-    let targets = json!([{ "kkt": 1e-3, "cells": 16 }, { "kkt": 1e-6, "cells": 16 }]);
     match experiment {
-        "work" => json!({ "compared": [4, 8], "laws": [["exact(free-corner)", [4, 8]]] }),
-        "claims" => json!({ "per_decade": 1, "problems": problems(), "targets": targets }),
         "radius" => json!({ "cells": [8], "r": [10.0, 1.0] }),
-        "stress" => json!({
-            "coarse": 8, "fine": 16, "cap": 200, "random": 10, "problems": problems(),
-        }),
         "truth" => json!({ "cells": [16], "sampled": 8 }),
         _ => json!({}),
     }

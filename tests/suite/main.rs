@@ -11,7 +11,6 @@ mod book_settings;
 mod bounds;
 mod cache;
 mod captions;
-mod claims;
 mod cli;
 mod columns;
 mod common;

@@ -1,23 +1,22 @@
-//! The `bench` stage: experiments on accuracy, claims and stability, and the pictures of their results and of
-//! recorded times.
+//! The `bench` stage: what no study can say, and the pictures of its results and of recorded times.
 
 mod claims;
-mod stability;
+mod noise;
+mod radius;
 
 use super::cost;
-use super::figures::{Draw, Drawing, drawing, made};
+use super::figures::{Draw, Drawing, drawing};
 use crate::figures::{CutsPanel, Picture, cuts};
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task};
-use crate::replication::paper::Paper;
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
 use crate::timing::recorded::{PATH, Timings};
+use noise::AskedNoise;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use signorini_mathematics::experiments::{EXPERIMENTS, Rows};
 use signorini_mathematics::mesh::AnyMesh;
-use stability::{duality, tolerances};
 use std::collections::BTreeMap;
 
 /// Artifact with the findings of an experiment.
@@ -27,7 +26,8 @@ const RESULT: &str = "result.json";
 pub(super) fn tasks(project: &Project) -> Vec<Task> {
     let problems: Vec<_> =
         project.problems().into_iter().filter_map(Scene::table_problem).collect();
-    let mut tasks = Vec::new();
+    let mut tasks = claims::tasks(project);
+    tasks.push(AskedNoise::task(project));
     for experiment in &EXPERIMENTS {
         let plan = (experiment.plan)(&problems);
         let asked = Asked { experiment: experiment.name.into(), plan };
@@ -56,9 +56,8 @@ impl Asked {
 }
 
 /// The tasks that draw the pictures of the chapters on experiments.
-pub(super) fn pictures(project: &Project) -> Vec<Task> {
+pub(super) fn pictures() -> Vec<Task> {
     vec![
-        rules(project),
         picture(
             ["truth", "ends"],
             "Error of the ends of contact and of the energy against the width of the grid",
@@ -77,33 +76,13 @@ pub(super) fn pictures(project: &Project) -> Vec<Task> {
             },
         ),
         picture(
-            ["claims", "sweep"],
-            "Iterations of both problems against the duality parameter, three ways of stopping",
-            |it, inputs| it.made(inputs, claims::sweep(&table(inputs, "claims", "runs")?)?),
-        ),
-        picture(
-            ["claims", "uzawa"],
-            "Sweeps of Arrow-Hurwicz and of Uzawa's algorithm to equal residual against the duality parameter",
-            |it, inputs| it.made(inputs, claims::uzawa(&table(inputs, "claims", "runs")?)?),
-        ),
-        picture(
             ["radius", "radius"],
             "Distance of the spectral radius of one iteration from one against the duality parameter",
             |it, inputs| {
                 let [radii, measured] =
                     ["radii", "measured"].map(|name| table(inputs, "radius", name));
-                it.made(inputs, claims::radius(&radii?, &measured?)?)
+                it.made(inputs, radius::radius(&radii?, &measured?)?)
             },
-        ),
-        picture(
-            ["stress", "duality"],
-            "KKT residual at the stop of the paper's method over r",
-            |it, inputs| it.made(inputs, duality(&table(inputs, "stress", "runs")?)?),
-        ),
-        picture(
-            ["stress", "tolerances"],
-            "KKT residual reached against the tolerance asked for",
-            |it, inputs| it.made(inputs, tolerances(&table(inputs, "stress", "runs")?)?),
         ),
     ]
 }
@@ -123,22 +102,6 @@ fn cuts_of_domains(truths: &Rows) -> Result<Picture, String> {
         panels.push(CutsPanel { title, mesh, truth });
     }
     Ok(cuts(&panels))
-}
-
-/// Picture of counts beside published ones.
-#[derive(Serialize, Deserialize)]
-struct Rules {
-    title: String,
-    published: Paper,
-}
-
-/// The task that draws the counts of three rules on the finest grid beside the published ones.
-fn rules(project: &Project) -> Task {
-    let title = "Counts on the finest grid: printed rule, signed rule, published".into();
-    let rules = Rules { title, published: project.paper.clone() };
-    drawing("rules", &rules, vec![id("claims")], |Rules { title, published }, inputs| {
-        made(inputs, title, claims::rules(&table(inputs, "claims", "runs")?, published)?)
-    })
 }
 
 /// The task that draws the findings of an experiment as a picture, by the names of both; the `title` is for readers who

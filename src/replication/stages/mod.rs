@@ -35,7 +35,7 @@ pub(crate) enum Stage {
     Diff,
     /// Right-hand sides that agree with a published table, and a search for one.
     Identify,
-    /// Numerical experiments past the paper: accuracy, claims, stability.
+    /// What no study can say: verdicts on claims, noise of loads, spectral radii, true solutions.
     Bench,
     /// SVG pictures.
     Figures,
@@ -89,7 +89,7 @@ pub(crate) fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) ->
         tasks.extend(results::task(project));
         if report::left_out(project).is_none() {
             tasks.extend(bench::tasks(project));
-            tasks.extend(bench::pictures(project));
+            tasks.extend(bench::pictures());
             tasks.extend(bench::pictures_of_times(project));
         }
     }

@@ -6,17 +6,12 @@
 //! Each experiment is one function of its plan, the central function of its module, and an entry of [`EXPERIMENTS`],
 //! by which whoever runs them all needs to know none.
 
-mod claims;
-mod domains;
 mod known;
-mod numbers;
 pub mod problems;
 mod radius;
 mod rows;
 mod saddle;
-mod stress;
 pub mod timed;
-mod trial;
 mod truth;
 mod work;
 
@@ -41,22 +36,7 @@ pub struct Experiment {
 }
 
 /// All experiments of the book.
-pub const EXPERIMENTS: [Experiment; 6] = [
-    Experiment {
-        name: "work",
-        plan: |problems| json(work::WorkPlan::new(&named(problems))),
-        run: |plan| found(plan, work::work),
-    },
-    Experiment {
-        name: "claims",
-        plan: |problems| json(claims::ClaimsPlan::new(problems.to_vec())),
-        run: |plan| found(plan, claims::claims),
-    },
-    Experiment {
-        name: "domains",
-        plan: |_| json(domains::DomainsPlan::default()),
-        run: |plan| found(plan, domains::domains),
-    },
+pub const EXPERIMENTS: [Experiment; 2] = [
     Experiment {
         name: "radius",
         plan: |problems| json(radius::RadiusPlan::new(named(problems))),
@@ -66,11 +46,6 @@ pub const EXPERIMENTS: [Experiment; 6] = [
         name: "truth",
         plan: |problems| json(truth::TruthPlan::new(named(problems))),
         run: |plan| found(plan, truth::truth),
-    },
-    Experiment {
-        name: "stress",
-        plan: |problems| json(stress::StressPlan::new(problems.to_vec())),
-        run: |plan| found(plan, stress::stress),
     },
 ];
 
@@ -89,11 +64,6 @@ fn found<P: DeserializeOwned>(
     run: fn(&P) -> Result<Findings, String>,
 ) -> Result<Findings, String> {
     run(&P::deserialize(plan).map_err(|e| e.to_string())?)
-}
-
-/// Double nearest to ten to the power of `exponent`.
-fn power_of_ten(exponent: i32) -> f64 {
-    format!("1e{exponent}").parse().expect("a number")
 }
 
 /// Exponent p of the power law `y = c x^p` that fits best: least squares in logarithms.

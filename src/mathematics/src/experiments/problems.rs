@@ -1,9 +1,5 @@
 //! The paper's problems, some that test the search for contact, and loads of growing difficulty.
 
-use crate::discrete::grid::Grid;
-use crate::discrete::load::load;
-use crate::problem::source::Source;
-use crate::solvers::SaddleSettings;
 use crate::statement::Statement;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -30,29 +26,6 @@ impl TableProblem {
     /// Returns the name for a table.
     pub fn name(&self) -> String {
         format!("problem {}", self.number)
-    }
-
-    /// Settings of the paper's method.
-    pub(super) fn saddle(&self) -> SaddleSettings {
-        self.statement.saddle.unwrap_or_default()
-    }
-
-    /// Returns f, and the grids of the statement.
-    ///
-    /// # Errors
-    /// A sentence if f cannot be read, or the grids do not nest.
-    pub(super) fn on_grids(&self) -> Result<(Source, Vec<Grid>), String> {
-        let f = self
-            .statement
-            .source()
-            .ok_or_else(|| format!("{} is no f on the square", self.statement.f))?;
-        Ok((f, self.statement.grids().map_err(|e| e.to_string())?))
-    }
-
-    /// Load vectors of f on these grids by the quadrature of the statement.
-    pub(super) fn loads(&self, f: &Source, grids: &[Grid]) -> Vec<Vec<f64>> {
-        let rule = self.statement.load.unwrap_or(Statement::LOAD);
-        grids.iter().map(|&grid| load(grid, f, rule)).collect()
     }
 }
 

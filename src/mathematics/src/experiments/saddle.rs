@@ -4,11 +4,6 @@ use crate::discrete::grid::Grid;
 use crate::problem::law::Law;
 use crate::saddle::{Method, Pair, RunStart, RunState, engine, run_alone};
 
-/// Uzawa's algorithm, each inner minimisation to a tenth of the gradient, with a proximal term of this weight.
-pub(super) const fn loose_uzawa(weight: f64) -> Method {
-    Method::Uzawa { weight, inner: 0.0, loose: true }
-}
-
 /// Number of sweeps between two checks of the goal, and limit of sweeps.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CheckInterval {

@@ -142,8 +142,8 @@ mod tests {
     use crate::problem::exact::Exact;
     use crate::problem::law::Law;
     use crate::problem::source::Source;
-    use crate::saddle::jobs::{Job, run};
-    use crate::saddle::{JobGoal, Method, Pair, StopRule};
+    use crate::saddle::batch::{LANES, Lanes, Order};
+    use crate::saddle::{Engine, GradientMeasure, Method, Pair, RunStart};
     use crate::solvers::true_solution;
     use std::fmt::Debug;
 
@@ -191,21 +191,21 @@ mod tests {
             let grid = Grid::new(11).expect("fine enough");
             let f = sources().next().expect("one");
             let (load, start) = (load(grid, &f, LoadRule::Bilinear {}), Pair::zero(grid));
-            let goals = StopRule::ALL.map(|rule| JobGoal::Rule(rule, 1e-4));
-            let methods = [(0.0, true), (1.0, false)].map(|(weight, loose)| Method::Uzawa {
-                weight,
-                inner: 1e-5,
-                loose,
-            });
-            let methods = [[Method::ArrowHurwicz; 1].as_slice(), &methods].concat();
-            let mut jobs = Vec::new();
-            for (method, r) in methods.iter().flat_map(|&method| [(method, 0.3), (method, 1e4)]) {
-                for goal in goals.into_iter().chain([JobGoal::Kkt(1e-4)]) {
-                    let law = Law::SIGNORINI;
-                    jobs.push(Job { law, load: &load, start: &start, method, r, goal, cap: 300 });
-                }
+            let uzawa = Method::Uzawa { weight: 1.0, inner: 1e-5, loose: false };
+            let mut lanes = Lanes::new(grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
+            for lane in 0..LANES {
+                let method = if lane % 2 == 0 { Method::ArrowHurwicz } else { uzawa };
+                let r = 0.3 * (1 + lane * lane * lane) as f64;
+                let run = RunStart { load: &load, method, r, pair: &start };
+                lanes.enter(lane, Law::SIGNORINI, &run);
             }
-            run(grid, &jobs)
+            let mut seen = Vec::new();
+            for _ in 0..50 {
+                lanes.sweep();
+                let changes = lanes.dual_step([true; LANES]);
+                seen.push((changes, GradientMeasure::ALL.map(|measure| lanes.worst(measure))));
+            }
+            (seen, (0..LANES).map(|lane| lanes.pair(lane).into_owned()).collect::<Vec<_>>())
         });
     }
 

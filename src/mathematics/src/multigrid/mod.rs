@@ -87,7 +87,6 @@ mod transfer;
 mod weighting;
 mod workspace;
 
-pub(crate) use driver::ROUNDING_FLOOR;
 pub use input::{InputError, check_size};
 pub use workspace::{Multigrid, solve_square};
 

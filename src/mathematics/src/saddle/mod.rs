@@ -3,7 +3,6 @@
 
 pub mod batch;
 mod engine;
-pub mod jobs;
 mod method;
 mod nested;
 mod network;
@@ -17,8 +16,8 @@ pub(crate) use engine::{Engine, Goals, RunStart, RunState, run, run_alone};
 pub use method::Method;
 pub use nested::{Monitor, NestedGrids, NestedLevels, run_nested, solve_nested, tolerance};
 pub use plain::Plain;
+pub(crate) use solve::engine;
 pub use solve::{Iteration, Params, arrow_hurwicz, solve};
-pub(crate) use solve::{JobGoal, engine};
 pub(crate) use stopping::GradientMeasure;
 pub use stopping::StopRule;
 

@@ -62,19 +62,19 @@ pub(super) type OnIteration<'a> = &'a mut dyn FnMut(&Iteration);
 
 /// Condition that ends a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum JobGoal {
+enum RunGoal {
     /// A stopping rule with its tolerance, tried after each step of the multiplier.
     Rule(StopRule, f64),
     /// The natural KKT residual over the largest component of F, tried after each step of the multiplier.
     Kkt(f64),
 }
 
-impl JobGoal {
+impl RunGoal {
     /// Bound that ends a run if it holds after a step of the multiplier; none if this step was too long.
     ///
     /// Tolerances of a rule below the rounding errors of Uzawa's method count as those; the paper's method has no inner
     /// bound, and ends where the rule holds.
-    pub(super) fn bound(self, run: &RunState) -> Option<MeasureBound> {
+    fn bound(self, run: &RunState) -> Option<MeasureBound> {
         match self {
             Self::Kkt(target) => {
                 Some(MeasureBound { measure: GradientMeasure::Kkt, bound: target * run.load })
@@ -150,7 +150,7 @@ fn run_to_rule(
     params: &Params,
     mut monitor: Option<OnIteration>,
 ) -> End {
-    let goal = params.kkt.map_or(JobGoal::Rule(params.rule, params.tolerance), JobGoal::Kkt);
+    let goal = params.kkt.map_or(RunGoal::Rule(params.rule, params.tolerance), RunGoal::Kkt);
     run_alone(engine, state, &mut |engine, run| {
         if let Some(monitor) = monitor.as_mut() {
             let [gradient_signed, gradient_abs] = gradient_extrema(engine);

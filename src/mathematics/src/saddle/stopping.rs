@@ -64,7 +64,7 @@ pub(crate) enum GradientMeasure {
 
 impl GradientMeasure {
     /// All measures.
-    pub(super) const ALL: [Self; 4] = [Self::Signed, Self::Printed, Self::Inner, Self::Kkt];
+    pub(crate) const ALL: [Self; 4] = [Self::Signed, Self::Printed, Self::Inner, Self::Kkt];
 
     /// Measure of a component of the gradient.
     #[inline(always)]

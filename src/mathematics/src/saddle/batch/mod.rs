@@ -15,3 +15,6 @@ pub use lanes::Order;
 
 /// Runs side by side.
 pub const LANES: usize = 8;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,154 @@
+//! What no study can say of stability: counts of the tables with loads that are a little off, as another quadrature or
+//! another order of sums makes them, and random problems for multigrid.
+
+use crate::pipeline::{Artifacts, Inputs, Made, Task};
+use crate::replication::project::Project;
+use crate::replication::stages::to_json;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use signorini_mathematics::discrete::load::load;
+use signorini_mathematics::discrete::stop::Stop;
+use signorini_mathematics::problem::law::Law;
+use signorini_mathematics::saddle::{NestedGrids, Params, solve_nested};
+use signorini_mathematics::statement::{Domain, Fineness, Statement};
+
+/// Exponents of the powers of ten that bound the relative errors of the load.
+const EXPONENTS: std::ops::RangeInclusive<i32> = -15..=-2;
+
+/// Problems with tables, each with every r, and numbers of repetitions.
+#[derive(Clone, Serialize, Deserialize)]
+pub(super) struct AskedNoise {
+    tables: Vec<(Statement, Vec<f64>)>,
+    /// Repetitions for each r and size of the errors.
+    repetitions: u64,
+    /// Number of random problems.
+    problems: u64,
+}
+
+impl AskedNoise {
+    /// The task of the book.
+    pub(super) fn task(project: &Project) -> Task {
+        let tables = project.problems().into_iter();
+        let tables = tables.map(|scene| (scene.statement.clone(), scene.r().to_vec())).collect();
+        let asked = Self { tables, repetitions: 8, problems: 400 };
+        Task::new(super::id("noise"), &asked, Vec::new(), |asked, _: &Inputs| asked.made())
+    }
+
+    fn made(&self) -> Made {
+        let mut sizes = EXPONENTS.map(|k| format!("1e{k}").parse::<f64>().expect("a number"));
+        let least = sizes.clone().next();
+        let mut first_change = None;
+        for size in &mut sizes {
+            if self.changes(size)? {
+                first_change = Some(size);
+                break;
+            }
+        }
+        let random = self.random()?;
+        let noise = json!([{
+            "least": least, "repetitions": self.repetitions, "first_change": first_change,
+        }]);
+        let found = json!({ "noise": noise, "random": [random] });
+        Ok(Artifacts::from([(super::RESULT.into(), to_json(&found))]))
+    }
+
+    /// True if random relative errors of at most this size in the entries of all load vectors change a count.
+    fn changes(&self, size: f64) -> Result<bool, String> {
+        for (statement, r) in &self.tables {
+            for &r in r {
+                let exact = counts(statement, r, &mut |entry| entry)?;
+                for repetition in 0..self.repetitions {
+                    let stream = size.to_bits() ^ r.to_bits().rotate_left(17) ^ repetition;
+                    let mut random = RandomNumbers::new(stream);
+                    let mut disturbed =
+                        |entry: f64| entry + entry * (size * (2.0 * random.unit() - 1.0));
+                    if counts(statement, r, &mut disturbed)? != exact {
+                        return Ok(true);
+                    }
+                }
+            }
+        }
+        Ok(false)
+    }
+
+    /// Solves random problems by multigrid.
+    fn random(&self) -> Result<serde_json::Value, String> {
+        let (mut cycles, mut unsolved) = (Vec::new(), 0);
+        for number in 0..self.problems {
+            let statement = random_problem(number);
+            let solved = statement.solved(None).map_err(|e| format!("{}: {e}", statement.f))?;
+            let end = solved.run().ok_or("multigrid solves on grids")?.last().end;
+            cycles.push(end.iterations);
+            unsolved += usize::from(end.stop != Stop::RoundingFloor);
+        }
+        let mean = cycles.iter().sum::<usize>() as f64 / cycles.len() as f64;
+        let most = cycles.iter().max();
+        Ok(json!({
+            "problems": self.problems, "mean": mean, "most": most, "unsolved": unsolved,
+            "coarsest": COARSEST, "finest": FINEST,
+        }))
+    }
+}
+
+/// Counts of the paper's method on all grids, with all entries of the load vectors changed.
+fn counts(
+    statement: &Statement,
+    r: f64,
+    change: &mut dyn FnMut(f64) -> f64,
+) -> Result<Vec<usize>, String> {
+    let (f, saddle) = (statement.source(), statement.saddle.unwrap_or_default());
+    let f = f.ok_or_else(|| format!("{} is no f on the square", statement.f))?;
+    let grids = statement.grids().map_err(|e| e.to_string())?;
+    let rule = statement.load.unwrap_or(Statement::LOAD);
+    let mut loads: Vec<Vec<f64>> = grids.iter().map(|&grid| load(grid, &f, rule)).collect();
+    loads.iter_mut().flatten().for_each(|entry| *entry = change(*entry));
+    let levels = NestedGrids { grids: &grids, prolongation: saddle.prolongation };
+    let params = Params { r, rule: saddle.stop, ..Params::default() };
+    let (ends, _) = solve_nested(&levels, Law::SIGNORINI, &loads, &params, &mut ());
+    Ok(ends.iter().map(|end| end.end.iterations).collect())
+}
+
+/// Cells per side of the coarsest and of the finest grid of random problems.
+const COARSEST: usize = 2;
+const FINEST: usize = 96;
+
+/// Discs of random place, size and value, one in each quadrant, with minus the integral of f from 10^-8 to half of that
+/// of its absolute value.
+fn random_problem(number: u64) -> Statement {
+    let mut random = RandomNumbers::new(number);
+    let mut between = |least: f64, greatest: f64| least + (greatest - least) * random.unit();
+    let (mut f, mut sum, mut size, mut covered) = (String::new(), 0.0, 0.0, 0.0);
+    for (x, y) in [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)] {
+        let [radius, value] = [between(0.02, 0.2), between(-50.0, 50.0)];
+        let [x, y] = [x, y].map(|centre| centre + between(-0.04, 0.04));
+        f += &format!("disc({x},{y},{radius})={value}; ");
+        let area = std::f64::consts::PI * radius * radius;
+        sum += area * value;
+        size += area * value.abs();
+        covered += area;
+    }
+    let deficit = size * libm::exp10(between(-8.0, -0.3));
+    let odd = if between(0.0, 1.0) < 0.5 { 1 } else { 3 };
+    let cells = odd << (1 + (between(0.0, 5.0) as u32).min(4));
+    let f = format!("{f}else={}", -(sum + deficit) / (1.0 - covered));
+    Statement { fineness: Fineness::Width(cells), ..Statement::usual(Domain::square(), f) }
+}
+
+/// Steele, Lea and Flood's SplitMix64: a stream per number.
+struct RandomNumbers(u64);
+
+impl RandomNumbers {
+    fn new(stream: u64) -> Self {
+        let mut random = Self(stream.wrapping_mul(0xd134_2543_de82_ef95));
+        random.unit();
+        random
+    }
+
+    /// Uniform in (0, 1).
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (((z ^ (z >> 31)) >> 12) as f64 + 0.5) / (1u64 << 52) as f64
+    }
+}
