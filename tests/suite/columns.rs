@@ -1,6 +1,6 @@
 //! Templates name tables and columns that are there: of findings, of recorded times, and of other data.
 
-use crate::common::{found, table_problems};
+use crate::common::found;
 use regex::Regex;
 use serde_json::{Value, json};
 use signorini::timing::recorded::Timings;

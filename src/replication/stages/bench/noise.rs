@@ -152,3 +152,32 @@ impl RandomNumbers {
         (((z ^ (z >> 31)) >> 12) as f64 + 0.5) / (1u64 << 52) as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use signorini_mathematics::saddle::StopRule;
+    use signorini_mathematics::solvers::{SaddleSettings, Solver};
+
+    #[test]
+    fn counts_survive_small_errors_of_the_load_but_not_all() {
+        let saddle = SaddleSettings { stop: StopRule::Signed, ..SaddleSettings::default() };
+        let statement = Statement {
+            fineness: Fineness::Grids(vec![4, 8, 16]),
+            solver: Solver::ArrowHurwicz,
+            saddle: Some(saddle),
+            ..Statement::usual(Domain::square(), "quadrant(ll)=-6; else=1.998")
+        };
+        let tables = vec![(statement, vec![0.5, 10.0])];
+        let asked = AskedNoise { tables, repetitions: 4, problems: 0 };
+        assert!(!asked.changes(1e-15).unwrap() && asked.changes(0.1).unwrap());
+    }
+
+    #[test]
+    fn multigrid_solves_random_problems() {
+        let random = AskedNoise { tables: Vec::new(), repetitions: 0, problems: 40 }.random();
+        let random = random.unwrap();
+        assert_eq!((&random["unsolved"], &random["problems"]), (&0.into(), &40.into()));
+        assert!(random["most"].as_u64() < Some(30), "{random}");
+    }
+}
