@@ -8,7 +8,6 @@ mod boxes;
 mod camera;
 mod chart;
 mod contact;
-mod cuts;
 mod drawn;
 mod extent;
 mod floor;
@@ -35,7 +34,6 @@ mod title;
 
 pub(crate) use chart::{axes_alone, charts};
 pub(crate) use contact::{ContactPanel, contact};
-pub(crate) use cuts::{CutsPanel, cuts};
 pub(crate) use drawn::DrawnSolution;
 pub(crate) use gradient::{GradientPanel, gradients};
 pub(crate) use history::{HistoryCurve, HistoryPanel, histories};

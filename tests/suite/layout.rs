@@ -243,7 +243,7 @@ fn paths_are_read_out_of_groups_and_names_are_followed_to_where_they_are_defined
     let names = |text: &str| text.split("::").map(str::to_owned).collect::<Vec<_>>();
     let modules = Modules::read();
     assert_eq!(modules.module_of(&names("experiments::Rows::of")), names("experiments::rows"));
-    let used = modules.used_by(&names("experiments::claims::cases"));
+    let used = modules.used_by(&names("identify::evaluate::runs"));
     assert!(used.contains(&names("saddle::nested")), "{used:?}");
     let used = modules.used_by(&names("pipeline::store"));
     assert!(used.contains(&names("pipeline::error")), "{used:?}");

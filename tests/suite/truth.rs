@@ -1,113 +1,62 @@
-//! Reference values and finite elements against true solutions; contact, iteration by iteration.
+//! Finite elements against true solutions, and true solutions at nodes.
 
-use crate::common::found;
 use crate::reference::REFERENCES;
-use serde_json::json;
-use signorini::timing::recorded::{number, text};
-use signorini_mathematics::experiments::{Findings, Rows};
-use std::sync::OnceLock;
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
+use signorini_mathematics::levels::Problem;
+use signorini_mathematics::solvers::true_solution;
+use signorini_mathematics::spectral::TrueSolution;
+use signorini_mathematics::statement::{Domain, Fineness, Statement};
 
-fn findings() -> &'static Findings {
-    static ONCE: OnceLock<Findings> = OnceLock::new();
-    ONCE.get_or_init(|| found("truth", &json!({ "cells": [16, 32, 64], "sampled": 8 })).unwrap())
-}
-
-/// Rows of the table `values` of a problem.
-fn values(problem: &str) -> Rows {
-    findings()["values"].wherever("problem", problem).unwrap()
-}
-
-#[test]
-fn arcs_are_numbered_and_forces_alike() {
-    let forces = values("four-arcs").wherever("quantity", "force").unwrap();
-    assert_eq!(forces.len(), 4);
-    for force in forces.numbers("value").unwrap() {
-        assert!((force - 1.0 / 32.0).abs() < 1e-10, "{force}");
+/// f on the square, with the load by which the discrete energy is that of the nodal vector.
+fn statement(f: &str, cells: usize) -> Statement {
+    Statement {
+        load: Some(LoadRule::Exact { diagonal: Diagonal::default() }),
+        fineness: Fineness::Width(cells),
+        ..Statement::usual(Domain::square(), f)
     }
 }
 
-/// Texts of all numbers of a solution of the record, in its order.
-fn texts(solution: &toml::Value) -> Vec<&str> {
-    match solution {
-        toml::Value::String(text) => vec![text],
-        toml::Value::Array(values) => values.iter().flat_map(texts).collect(),
-        table => ["energy", "centre", "corners", "contact", "from", "to", "force"]
-            .iter()
-            .filter_map(|key| table.get(key))
-            .flat_map(texts)
-            .collect(),
-    }
-}
-
-#[test]
-fn the_record_agrees_with_both_programs() {
-    let record: toml::Table = include_str!("../../pipeline/truth.toml").parse().unwrap();
-    let solutions = record["solution"].as_array().unwrap();
-    assert_eq!(solutions.len(), 6);
-    for solution in solutions {
-        let f = solution["f"].as_str().unwrap();
-        let theirs = texts(solution);
-        // Of the second program and of one in quadruple precision: not the last bit of a double apart.
-        if let Some(known) = REFERENCES.iter().find(|known| known.f == f) {
-            for (digits, known) in theirs.iter().zip([known.energy, known.centre]) {
-                assert!(
-                    (digits.parse::<f64>().unwrap() - known).abs() <= 2e-16 * known.abs(),
-                    "{f}"
-                );
-            }
-        }
-        let reference = findings()["references"].wherever("f", f).unwrap();
-        let ours = values(text(&reference[0], "problem")).numbers("value").unwrap();
-        assert_eq!(ours.len(), theirs.len(), "{f}");
-        for (ours, theirs) in ours.into_iter().zip(theirs) {
-            let error = (ours - theirs.parse::<f64>().unwrap()).abs();
-            assert!(error <= 1e-10, "{f}: {ours} is not {theirs}");
-        }
-    }
+fn truth(f: &str, cells: usize) -> (Problem, TrueSolution) {
+    let problem = statement(f, cells).problem(None, &|_| ()).unwrap();
+    let found = true_solution(&problem).unwrap();
+    (problem, found)
 }
 
 #[test]
 fn bounds_hold_and_are_sharp() {
-    let elements = &findings()["elements"];
-    for row in elements.iter() {
-        let [below, above] = ["lower", "upper"].map(|column| number(row, column));
-        assert!(below <= 1.0 + 1e-9 && above >= 1.0 - 1e-9, "{row:?}");
-        assert!(row["holds"] != false, "{row:?}");
-        if row["cells"] != 64 {
-            continue;
+    for f in [
+        "quadrant(ll)=3; else=-1.002",
+        "quadrant(ll)=-6; else=1.998",
+        "rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5",
+        "disc(-0.5,-0.5,0.4)=14; disc(0.5,0.5,0.3)=16; else=-5",
+    ] {
+        let true_energy = truth(f, 2).1.energy;
+        let mut errors = Vec::new();
+        for cells in [32, 64] {
+            let solved = statement(f, cells).solved(None).unwrap();
+            let bounds = solved.bounds().last().unwrap().as_ref().unwrap();
+            let [low, high] = bounds.energy;
+            assert!(low <= true_energy && true_energy <= high, "{f}: {low} {true_energy} {high}");
+            // No less than the error in the energy norm, and hardly more.
+            let error = (2.0 * (solved.energy() - true_energy)).sqrt();
+            // Cells that a circle cuts add more than those that a straight jump does.
+            let most = if f.contains("disc") { 1.05 } else { 1.02 };
+            assert!((0.98..most).contains(&(bounds.error[1] / error)), "{f}: {bounds:?} {error}");
+            errors.push(error);
         }
-        // Cells that a circle cuts add more than those that a straight jump does.
-        let most = if text(row, "f").contains("disc") { 1.05 } else { 1.02 };
-        assert!(below > 0.98 && above < most, "{row:?}");
-        // The load of an accuracy is what the flux balances.
-        let [below, above] = ["bilinear_lower", "bilinear_upper"].map(|column| number(row, column));
-        assert!((0.98..=1.0 + 1e-9).contains(&below), "{row:?}");
-        assert!((1.0 - 1e-9..1.01).contains(&above), "{row:?}");
-    }
-    for problem in elements.texts("problem").unwrap() {
-        let rows = elements.wherever("problem", problem).unwrap();
-        // From the coarsest grid to the finest, by two halvings.
-        for (column, order) in [("error", 1.0), ("energy", 2.0)] {
-            let errors = rows.numbers(column).unwrap();
-            if let [coarse, _, fine] = errors[..] {
-                assert!((0.5 * (coarse / fine).log2() - order).abs() < 0.1, "{problem} {errors:?}");
-            }
-        }
-    }
-    assert_eq!(elements.iter().filter(|row| row["holds"] == true).count(), 18);
-    for column in ["bracket", "balance"] {
-        let defects = findings()["references"].numbers(column).unwrap();
-        assert!(!defects.is_empty() && defects.iter().all(|defect| *defect < 1e-10), "{defects:?}");
+        let order = (errors[0] / errors[1]).log2();
+        assert!((order - 1.0).abs() < 0.1, "{f}: {order}");
     }
 }
 
 #[test]
-fn values_at_nodes_are_those_of_finite_elements() {
-    let samples = |problem: &str| {
-        findings()["samples"].wherever("problem", problem).unwrap().numbers("v").unwrap()
+fn values_at_nodes_are_those_of_the_second_program() {
+    let values = |f: &str| {
+        let (problem, found) = truth(f, 8);
+        found.at_nodes(&problem).y
     };
-    let [first, second] = ["problem 1", "problem 2"].map(samples);
-    assert_eq!((first.len(), second.len()), (81, 81));
+    let first = values("quadrant(ll)=3; else=-1.002");
+    let second = values("quadrant(ll)=-6; else=1.998");
     // The corners in contact, the others, and the centre.
     assert_eq!((first[80], second[0]), (0.0, 0.0));
     assert!((first[0] - REFERENCES[3].corners[3]).abs() < 1e-11);

@@ -3,10 +3,10 @@
 mod claims;
 mod noise;
 mod radius;
+mod truth;
 
 use super::cost;
 use super::figures::{Draw, Drawing, drawing};
-use crate::figures::{CutsPanel, Picture, cuts};
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task};
 use crate::replication::project::Project;
@@ -16,8 +16,8 @@ use noise::AskedNoise;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use signorini_mathematics::experiments::{EXPERIMENTS, Rows};
-use signorini_mathematics::mesh::AnyMesh;
 use std::collections::BTreeMap;
+use truth::AskedTruth;
 
 /// Artifact with the findings of an experiment.
 const RESULT: &str = "result.json";
@@ -28,6 +28,7 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
         project.problems().into_iter().filter_map(Scene::table_problem).collect();
     let mut tasks = claims::tasks(project);
     tasks.push(AskedNoise::task(project));
+    tasks.extend(AskedTruth::task(project));
     for experiment in &EXPERIMENTS {
         let plan = (experiment.plan)(&problems);
         let asked = Asked { experiment: experiment.name.into(), plan };
@@ -57,51 +58,14 @@ impl Asked {
 
 /// The tasks that draw the pictures of the chapters on experiments.
 pub(super) fn pictures() -> Vec<Task> {
-    vec![
-        picture(
-            ["truth", "ends"],
-            "Error of the ends of contact and of the energy against the width of the grid",
-            |it, inputs| it.made(inputs, cost::ends(&table(inputs, "truth", "elements")?)?),
-        ),
-        picture(
-            ["truth", "ways"],
-            "Error of the energy against the number of unknowns: powers at corners, adaptive and uniform elements",
-            |it, inputs| it.made(inputs, cost::ways(&table(inputs, "truth", "plane_ways")?)?),
-        ),
-        picture(
-            ["truth", "cuts"],
-            "Cuts of the functions of true solutions on three domains",
-            |it, inputs| {
-                it.made(inputs, cuts_of_domains(&table(inputs, "truth", "plane_truths")?)?)
-            },
-        ),
-        picture(
-            ["radius", "radius"],
-            "Distance of the spectral radius of one iteration from one against the duality parameter",
-            |it, inputs| {
-                let [radii, measured] =
-                    ["radii", "measured"].map(|name| table(inputs, "radius", name));
-                it.made(inputs, radius::radius(&radii?, &measured?)?)
-            },
-        ),
-    ]
-}
-
-/// Draws domains in the plane with the cuts of the true solutions whose contact has ends.
-fn cuts_of_domains(truths: &Rows) -> Result<Picture, String> {
-    /// Number of refinements of each domain for its boundary.
-    const REFINED: [usize; 3] = [0, 4, 3];
-    let mut panels = Vec::new();
-    for (row, times) in truths.iter().filter(|row| row["ends"] != 0).zip(REFINED) {
-        let title = row["domain"].as_str().unwrap_or_default();
-        let coarsest = AnyMesh::built_in(title).ok_or_else(|| format!("no domain {title}"))?;
-        let AnyMesh::Plane(mesh) = coarsest.refined(times).map_err(|e| e.to_string())? else {
-            return Err(format!("{title} is no plane domain"));
-        };
-        let truth = serde_json::from_value(json!(row)).map_err(|e| e.to_string())?;
-        panels.push(CutsPanel { title, mesh, truth });
-    }
-    Ok(cuts(&panels))
+    vec![picture(
+        ["radius", "radius"],
+        "Distance of the spectral radius of one iteration from one against the duality parameter",
+        |it, inputs| {
+            let [radii, measured] = ["radii", "measured"].map(|name| table(inputs, "radius", name));
+            it.made(inputs, radius::radius(&radii?, &measured?)?)
+        },
+    )]
 }
 
 /// The task that draws the findings of an experiment as a picture, by the names of both; the `title` is for readers who

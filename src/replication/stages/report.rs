@@ -1,7 +1,6 @@
 //! The `report` stage: makes pages and a book of the artifacts of the other stages.
 
 mod chapters;
-mod digits;
 mod notebook;
 pub(crate) mod stand_ins;
 mod times;

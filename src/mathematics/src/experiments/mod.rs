@@ -12,7 +12,6 @@ mod radius;
 mod rows;
 mod saddle;
 pub mod timed;
-mod truth;
 mod work;
 
 pub use rows::{Findings, Row, Rows};
@@ -36,18 +35,11 @@ pub struct Experiment {
 }
 
 /// All experiments of the book.
-pub const EXPERIMENTS: [Experiment; 2] = [
-    Experiment {
-        name: "radius",
-        plan: |problems| json(radius::RadiusPlan::new(named(problems))),
-        run: |plan| found(plan, radius::radius),
-    },
-    Experiment {
-        name: "truth",
-        plan: |problems| json(truth::TruthPlan::new(named(problems))),
-        run: |plan| found(plan, truth::truth),
-    },
-];
+pub const EXPERIMENTS: [Experiment; 1] = [Experiment {
+    name: "radius",
+    plan: |problems| json(radius::RadiusPlan::new(named(problems))),
+    run: |plan| found(plan, radius::radius),
+}];
 
 /// The paper's problems by name, with f in the notation of scenes.
 fn named(problems: &[TableProblem]) -> Vec<(String, String)> {

@@ -59,17 +59,6 @@ pub(crate) fn map<'a, T: Sync, R: Send>(
     map_range(0..items.len(), least, |k| value(&items[k]))
 }
 
-/// As [`map`], one item a task, of a function that may fail.
-///
-/// # Errors
-/// That of the first item with one.
-pub(crate) fn try_map<'a, T: Sync, R: Send, E: Send>(
-    items: &'a [T],
-    value: impl Fn(&'a T) -> Result<R, E> + Sync,
-) -> Result<Vec<R>, E> {
-    map(items, 1, value).into_iter().collect()
-}
-
 /// Returns the values of a function at some numbers, in their order; a task has `least` of them.
 pub(crate) fn map_range<R: Send>(
     numbers: Range<usize>,

@@ -15,7 +15,7 @@ use crate::spectral::geometry::origin::Origin;
 use crate::spectral::geometry::outline::outline;
 use crate::spectral::problem::PlaneProblem;
 use crate::spectral::proof::PlaneBracket;
-use crate::spectral::solution::{BoundaryPoint, PlaneChecks, PlaneSolution, solve};
+use crate::spectral::solution::{PlaneChecks, PlaneSolution, solve};
 use crate::spectral::source::PlaneSource;
 use crate::spectral::source::polynomial::Polynomial;
 use crate::spectral::source::regions::regions;
@@ -217,29 +217,6 @@ impl PlaneTruth {
             arcs.push(ContactArc { closed: *closed, part, error, ..arc });
         }
         arcs
-    }
-
-    /// dv/dn at the quadrature points of the boundary where the law holds.
-    pub(crate) fn boundary_points(&self) -> Vec<BoundaryPoint> {
-        let mut points = self.solution.boundary_points();
-        for BoundaryPoint { point, multiplier, .. } in &mut points {
-            *point = self.origin.outside(*point);
-            *multiplier *= self.height;
-        }
-        points
-    }
-
-    /// Numbers of unknowns, and energies, of levels from coarse to fine.
-    pub(crate) fn by_level(&self) -> Vec<(usize, f64)> {
-        let square = self.height * self.height;
-        let levels = self.solution.by_level().into_iter();
-        levels.map(|(unknowns, energy)| (unknowns, square * energy)).collect()
-    }
-
-    /// Cuts of the functions, from and to.
-    pub(crate) fn cuts(&self) -> Vec<[[f64; 2]; 2]> {
-        let cuts = self.solution.cuts().into_iter();
-        cuts.map(|cut| cut.map(|point| self.origin.outside(point))).collect()
     }
 
     /// v at points of the domain.

@@ -115,15 +115,6 @@ impl Level {
     ];
 }
 
-impl Level {
-    /// Level between the others, with one cut at least, and with `more`.
-    pub(in crate::spectral) fn with_few_cuts(more: usize) -> Self {
-        let fine = Self::FINE[2];
-        let cuts = fine.strong.min(more + 1);
-        Self { strong: cuts, weak: cuts, image: cuts, hole: fine.hole.min(4 * cuts), ..fine }
-    }
-}
-
 impl Setup {
     pub(in crate::spectral) fn new(problem: &PlaneProblem) -> Result<Self, PlaneError> {
         let PlaneProblem { domain, law, source } = problem;

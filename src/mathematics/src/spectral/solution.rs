@@ -12,17 +12,6 @@ use super::setup::Setup;
 use crate::problem::text::plain;
 use std::fmt;
 
-/// Flux at a quadrature point of the boundary where the law holds.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BoundaryPoint {
-    /// The point.
-    pub point: [f64; 2],
-    /// dv/dn.
-    pub multiplier: f64,
-    /// Quadrature weight with respect to the length of the boundary.
-    pub weight: f64,
-}
-
 /// Conditions that must hold of a solution and were not used to find it.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct PlaneChecks {
@@ -158,36 +147,6 @@ impl PlaneSolution {
     /// v at a point of the closed domain.
     pub(crate) fn value(&self, point: [f64; 2]) -> f64 {
         self.values(&[point])[0]
-    }
-
-    /// Cuts of the functions, from the points where they are singular outwards.
-    pub(crate) fn cuts(&self) -> Vec<[[f64; 2]; 2]> {
-        let mut cuts = Vec::new();
-        for family in &self.found.fit.functions.families {
-            for &length in &family.lengths {
-                let end = self.frame.outside(family.point - family.inwards.scaled(length));
-                cuts.push([self.frame.outside(family.point), end]);
-            }
-        }
-        cuts
-    }
-
-    /// dv/dn at the quadrature points of the boundary where the law holds.
-    pub(crate) fn boundary_points(&self) -> Vec<BoundaryPoint> {
-        let lawful = self.found.nodes.iter().filter(|node| node.lawful);
-        let points = lawful.map(|node| BoundaryPoint {
-            point: self.frame.outside(node.spot.z),
-            multiplier: self.frame.unit * node.flux,
-            weight: self.frame.unit * node.spot.weight,
-        });
-        points.collect()
-    }
-
-    /// Numbers of unknowns, and energies, of levels from coarse to fine.
-    pub(crate) fn by_level(&self) -> Vec<(usize, f64)> {
-        let square = self.frame.unit * self.frame.unit;
-        let levels = self.found.by_level(&self.setup).into_iter();
-        levels.map(|(unknowns, energy)| (unknowns, square * square * energy)).collect()
     }
 
     /// v at many points.

@@ -7,7 +7,7 @@ use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::spectral::geometry::domain::PlaneError;
 use crate::spectral::on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh, solve_on_square};
-use crate::spectral::solution::{BoundaryPoint, PlaneChecks};
+use crate::spectral::solution::PlaneChecks;
 
 /// True solution.
 pub struct TrueSolution {
@@ -101,20 +101,6 @@ impl TrueSolution {
         nearest.expect("a mesh has a component")
     }
 
-    /// Cuts of the functions whose sum the solution is, outward from points of the boundary and behind it, the longest
-    /// first of each point.
-    pub(crate) fn cuts(&self) -> Vec<[[f64; 2]; 2]> {
-        self.components.iter().flat_map(PlaneTruth::cuts).collect()
-    }
-
-    /// Numbers of unknowns, and energies, of levels from coarse to fine; none on several components.
-    pub(crate) fn by_level(&self) -> Vec<(usize, f64)> {
-        match &self.components[..] {
-            [truth] => truth.by_level(),
-            _ => Vec::new(),
-        }
-    }
-
     /// v at points of the domain and its boundary.
     pub fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
         match &self.components[..] {
@@ -131,10 +117,5 @@ impl TrueSolution {
     /// v and dv/dn at the point of the boundary nearest to this one; dv/dn in a corner is that on one of its sides.
     pub fn on_boundary(&self, point: [f64; 2]) -> [f64; 2] {
         self.nearest(point).on_boundary(point)
-    }
-
-    /// dv/dn at quadrature points of the boundary where the law holds.
-    pub(crate) fn boundary_points(&self) -> Vec<BoundaryPoint> {
-        self.components.iter().flat_map(PlaneTruth::boundary_points).collect()
     }
 }

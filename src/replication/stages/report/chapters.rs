@@ -1,6 +1,5 @@
 //! Data for the templates of the chapters: computed numbers, not formatted.
 
-use super::digits::compared;
 use super::times::times;
 use crate::pipeline::Inputs;
 use crate::pipeline::error::{Failure, from_record};
@@ -9,7 +8,7 @@ use crate::replication::comparison::TableComparison;
 use crate::replication::fields::described::described;
 use crate::replication::fields::write;
 use crate::replication::identified::IdentifiedRecord;
-use crate::replication::project::{IDENTIFIED, TRUTH};
+use crate::replication::project::IDENTIFIED;
 use crate::replication::scene::{Output, Scene};
 use crate::replication::stages::diff::{self, DIFF};
 use crate::replication::stages::identify::{self, FINDINGS};
@@ -18,7 +17,6 @@ use crate::replication::stages::solve::{self, HISTORY, OUTCOMES, Outcomes};
 use crate::replication::stages::{artifact, bench, figures, from_json, scene_of};
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::Bounds;
-use signorini_mathematics::experiments::Rows;
 use signorini_mathematics::identify::Findings;
 use signorini_mathematics::problem::exact::Known;
 use signorini_mathematics::problem::source::Source;
@@ -47,12 +45,9 @@ pub(super) fn context(
     let mut context = Context::new();
     context.insert("agreement", &results.agreement(&tables)?);
     let problems_and_tables = problems.iter().zip(&tables);
-    let elements = bench::table(inputs, "truth", "elements")?;
     let mut shown = Vec::new();
     for (scene, table) in problems_and_tables {
-        let mut problem = problem(inputs, &results, scene, table)?;
-        let error = error(&elements, scene, table.table)?.first().copied();
-        problem.insert("error".into(), error.into());
+        let problem = problem(inputs, &results, scene, table)?;
         context.insert(format!("problem{}", table.table), &problem);
         shown.push(problem);
     }
@@ -69,11 +64,6 @@ pub(super) fn context(
     context.insert("grids", &grids);
     context.insert("record", &record);
     context.insert("bench", &bench::results(inputs)?);
-    let text = inputs.file(TRUTH)?.ok_or("no true solutions")?;
-    let references = bench::table(inputs, "truth", "references")?;
-    let mut values = bench::table(inputs, "truth", "values")?;
-    context.insert("digits", &compared(&references, &mut values, text)?);
-    context.insert("values", &values);
     context.insert("figures", &shown_figures(inputs));
     context.insert("versions", &super::versions());
     context.insert("version", env!("CARGO_PKG_VERSION"));
@@ -82,13 +72,6 @@ pub(super) fn context(
     context.insert("timings", &times(&bench::times(inputs)?)?);
     context.insert("fields", &described());
     Ok(context)
-}
-
-/// Returns the error of the discrete solution of the paper's problem `number` on the finest grid of its scene, in the
-/// energy norm, if it was measured.
-fn error(elements: &Rows, scene: &Scene, number: u8) -> Result<Vec<f64>, String> {
-    let rows = elements.wherever("problem", format!("problem {number}"))?;
-    rows.wherever("cells", scene.finest().cells())?.numbers("error")
 }
 
 /// Returns the fields of a scene and of its statement, the r that is drawn, and `more`.

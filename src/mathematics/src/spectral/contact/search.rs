@@ -101,24 +101,6 @@ impl PlaneFound {
         (found.errors() < ACCEPTED).then_some(Self { steps, ..found })
     }
 
-    /// Numbers of unknowns, and energies, of levels from coarse to fine; levels on which the ends do not settle are
-    /// left out.
-    pub(in crate::spectral) fn by_level(&self, setup: &Setup) -> Vec<(usize, f64)> {
-        /// Degrees of polynomials, with ratios of the lengths of cuts.
-        const LEVELS: [(usize, f64); 7] =
-            [(4, 8.0), (8, 6.0), (12, 5.0), (16, 4.0), (24, 3.0), (32, 2.2), (44, 1.8)];
-        let mut found = Vec::new();
-        for (degree, ratio) in LEVELS {
-            let level = Level { ratio, degree, ..Level::with_few_cuts(degree / 8) };
-            let mut contact = self.contact.clone();
-            if let Some(fit) = settle(setup, &mut contact, &level, &mut Effort::default()) {
-                let nodes = boundary_nodes(setup, &fit, &level, POINTS[1]);
-                found.push((fit.unknowns, Integrals::new(setup, &fit, &nodes).energy));
-            }
-        }
-        found
-    }
-
     /// Largest residual, over the size of v, and the flux that f does not balance, over all of it.
     fn errors(&self) -> f64 {
         let balance = (self.integrals.force + self.integrals.source).abs();

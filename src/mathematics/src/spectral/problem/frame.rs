@@ -28,11 +28,6 @@ impl Frame {
         Complex::new(x, y).scaled(1.0 / self.unit)
     }
 
-    /// Point with these coordinates.
-    pub(in crate::spectral) fn outside(self, z: Complex) -> [f64; 2] {
-        z.scaled(self.unit).coordinates()
-    }
-
     fn side(self, side: &PlaneSide) -> PlaneSide {
         let Arc { curve, span, ends } = side.arc;
         let curve = Curve {
