@@ -4,11 +4,13 @@
 //! and with `--f F TOLERANCE` on one, to that KKT residual over the largest load, as JSON: the solution alone, and
 //! from f to the solution.
 
+#[path = "../tests/suite/hard_loads.rs"]
+mod hard_loads;
+
 use signorini_mathematics::discrete::end::End;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::kkt;
 use signorini_mathematics::discrete::load::{LoadRule, load};
-use signorini_mathematics::experiments::problems;
 use signorini_mathematics::machine::memory::LargePages;
 use signorini_mathematics::multigrid::{self, Goal, Multigrid, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
@@ -111,7 +113,7 @@ fn all_problems(sizes: &[usize], repeats: usize) {
             .map(|exact| (exact.name(), load(grid, &Source::from(exact), LoadRule::default())));
         let bilinear = |f: &str| load(grid, &f.parse().expect("a valid f"), LoadRule::Bilinear {});
         let paper = paper.iter().map(|(name, f)| (&name[..], bilinear(f)));
-        let others = paper.chain(problems::stress_loads(n));
+        let others = paper.chain(hard_loads::stress_loads(n));
         let plain = plain_ns(n, &exact[0].1, repeats);
         println!("{n:6} plain red-black sweep: {plain:.3} ns per unknown, one thread");
         for (name, load) in exact.into_iter().chain(others) {

@@ -1,5 +1,7 @@
 //! Table of text: in columns for a terminal, in Markdown, in LaTeX, and in CSV.
 
+pub(crate) mod rows;
+
 use unicode_width::UnicodeWidthStr;
 
 /// Space between columns of text.

@@ -11,7 +11,7 @@ process; and from f to the solution vector, with memory, load vector and matrix.
 counts what PETSc does (matrices and vectors from arrays that are there), ours everything.
 
 What it prints last can be put at the end of pipeline/timings.toml, if that was recorded on the same
-machine; the book then shows it, and `signorini bench --record` keeps it.
+machine; the book then shows it.
 """
 
 import glob

@@ -132,11 +132,11 @@ enum Command {
     /// Search for the right-hand sides of Figure 1 that give the published tables
     #[command(after_help = identify::EXAMPLES)]
     Identify(identify::IdentifyArgs),
-    /// Measure how long every solver takes on this machine
+    /// Measure how long the members of a study take on this machine
     #[command(
-        after_help = "Times depend on the machine and on what else it does: leave it idle.\n\
-        Examples:\n  signorini bench --quick\n  signorini bench --solver multigrid --finest 1024\n  \
-        signorini bench --record          some minutes; for the book"
+        after_help = "Times depend on the machine and on what else it does: leave it idle. The time is that of the \n\
+        solver alone, with mesh and load vector made before; with an accuracy, that of all.\n\
+        Examples:\n  signorini bench\n  signorini bench accuracy --csv target/times.csv"
     )]
     Bench(bench::BenchArgs),
     /// Build the book, as `run --only report` does, and open it with --open

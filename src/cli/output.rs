@@ -4,7 +4,7 @@ use crate::pipeline;
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::{folder_of, link_target, write_atomically};
 use crate::pipeline::names::in_shell;
-use crate::pipeline::place::{own_place, place, real, without_dots};
+use crate::pipeline::place::{place, real, without_dots};
 use crate::replication::project::Project;
 use crate::table::Table;
 use std::fs::{self, OpenOptions};
@@ -189,11 +189,6 @@ impl OutputFile {
             in_projects(path, &path.display().to_string(), &["pipeline", ".git"])?;
         }
         Self::writable(path)
-    }
-
-    /// Checks that this file of the project, which the program keeps, can be written.
-    pub(super) fn own(project: &Path, path: &str) -> Result<Self> {
-        Self::writable(&own_place(project, path)?)
     }
 
     fn writable(path: &Path) -> Result<Self> {

@@ -10,7 +10,7 @@ mod files;
 mod points;
 mod request;
 mod save;
-mod study;
+pub(super) mod study;
 mod truth;
 
 use super::interrupt::at_work;

@@ -12,7 +12,6 @@ use crate::replication::study::Study;
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::LoadRule;
-use signorini_mathematics::experiments::problems::TableProblem;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::StopRule;
@@ -152,12 +151,6 @@ impl Scene {
     /// True if the scene is one of the paper's two problems; no two scenes of a project are the same problem.
     pub(crate) fn is_problem(&self) -> bool {
         matches!(self.paper_table, Some(1 | 2))
-    }
-
-    /// Returns the problem in the form that experiments take, if it belongs to a published table.
-    pub fn table_problem(&self) -> Option<TableProblem> {
-        let (number, r) = (self.paper_table?, self.r().to_vec());
-        Some(TableProblem { number, r, statement: self.statement.clone() })
     }
 
     /// Returns f of a scene on the square, as those of published tables are.

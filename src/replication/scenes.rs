@@ -32,12 +32,6 @@ pub(crate) fn problems(scenes: &[Scene]) -> Vec<&Scene> {
     problems
 }
 
-/// Returns f of the paper's problems in the notation of scenes, each with the name of the problem.
-pub(crate) fn named_f(scenes: &[Scene]) -> Vec<(String, String)> {
-    let problems = problems(scenes).into_iter().filter_map(Scene::table_problem);
-    problems.map(|problem| (format!("problem {}", problem.number), problem.statement.f)).collect()
-}
-
 impl SceneFolder {
     /// Reads every `pipeline/scenes/*.toml` with a `wanted` name.
     ///

@@ -1,6 +1,5 @@
 //! Template filters for rows, which have their values under keys, dotted where a value has values of its own.
 
-use signorini_mathematics::experiments::exponent;
 use tera::{Kwargs, State, Tera, TeraResult, Value};
 
 pub(super) fn register(tera: &mut Tera) {
@@ -70,6 +69,18 @@ fn column(rows: &[Value], key: &str) -> TeraResult<Vec<Value>> {
 /// Returns the number of a row under a key.
 fn number(row: &Value, key: &str) -> Option<f64> {
     row.get_from_path(key)?.as_f64()
+}
+
+/// Exponent p of the power law `y = c x^p` that fits best: least squares in logarithms.
+///
+/// `None` if there are fewer than two different x, or if a number is not positive.
+fn exponent(points: &[(f64, f64)]) -> Option<f64> {
+    let logs: Vec<_> = points.iter().map(|&(x, y)| (libm::log(x), libm::log(y))).collect();
+    let mean_x = logs.iter().map(|p| p.0).sum::<f64>() / logs.len() as f64;
+    let mean_y = logs.iter().map(|p| p.1).sum::<f64>() / logs.len() as f64;
+    let covariance: f64 = logs.iter().map(|p| (p.0 - mean_x) * (p.1 - mean_y)).sum();
+    let variance: f64 = logs.iter().map(|p| (p.0 - mean_x) * (p.0 - mean_x)).sum();
+    Some(covariance / variance).filter(|exponent| exponent.is_finite())
 }
 
 /// Returns the exponent of the power law of y over x, of the rows with both; nothing if there is none.
@@ -147,5 +158,12 @@ mod tests {
             let said = format!("{error:?}");
             assert!(said.contains("no column `z`; there are of, x, y"), "{said}");
         }
+    }
+
+    #[test]
+    fn exponents_are_those_of_power_laws() {
+        let law: Vec<_> = (1..6).map(|k| (f64::from(k), 7.0 * f64::from(k).powi(3))).collect();
+        assert!((exponent(&law).unwrap() - 3.0).abs() < 1e-12);
+        assert_eq!(exponent(&law[..1]), None);
     }
 }

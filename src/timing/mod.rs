@@ -1,8 +1,7 @@
 //! Run times of the solvers, and the machine on which they were measured.
 
-mod bandwidth;
 pub mod machine;
-pub mod measure;
+pub(crate) mod median;
 pub mod recorded;
 
 use std::sync::OnceLock;

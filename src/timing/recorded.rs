@@ -1,10 +1,9 @@
-//! `pipeline/timings.toml`: the times that `signorini bench --record` measured, with their noise, and the machine.
+//! `pipeline/timings.toml`: times that were measured on one machine and day, with their noise, which only the book reads.
 
 use crate::pipeline::error::{Error, Result, from_record};
+use crate::table::rows::{Row, Rows};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
-use signorini_mathematics::experiments::timed::TimedPlan;
-use signorini_mathematics::experiments::{Row, Rows};
 
 /// Path of the record in the project.
 pub const PATH: &str = "pipeline/timings.toml";
@@ -131,7 +130,7 @@ fn mistake_in_row(table: &str, columns: &str, row: &Row) -> Option<String> {
 }
 
 /// Goal of a run under the stopping rule of the published tables.
-pub const PUBLISHED: &str = TimedPlan::PUBLISHED;
+pub const PUBLISHED: &str = "published stop";
 
 /// Number in a column of a row of the record.
 ///
@@ -149,9 +148,6 @@ pub fn text<'a>(row: &'a Row, column: &str) -> &'a str {
     row[column].as_str().expect("the columns are checked")
 }
 
-const HEADER: &str = "# Written by `signorini bench --record`; do not edit what was measured.\n\
-    # [[peer]] and [[own_mesh]] sections are entered by hand from benches/peers, and kept.\n\n";
-
 impl Timings {
     /// Returns all tables, in the order of [`TABLES`].
     pub(crate) fn tables(&self) -> [&Rows; 6] {
@@ -159,8 +155,7 @@ impl Timings {
     }
 
     /// Returns the times with columns that follow from the others: rows of `multigrid` with their `unknowns`, the time
-    /// per unknown in nanoseconds, `ns`, and that in which the memory could have moved the bytes, `stream`; rows of
-    /// `solver` with whether the error has `reached` that of the discretisation.
+    /// per unknown in nanoseconds, `ns`, and that in which the memory could have moved the bytes, `stream`.
     pub fn extended(&self) -> Self {
         let mut timings = self.clone();
         for row in &mut timings.multigrid.0 {
@@ -170,11 +165,6 @@ impl Timings {
             row.insert("unknowns".into(), (nodes as usize).into());
             row.extend([("ns".into(), ns.into()), ("stream".into(), stream.into())]);
         }
-        for row in &mut timings.solver.0 {
-            let reached =
-                number(row, "error") <= TimedPlan::REACHED * number(row, "discretisation");
-            row.insert("reached".into(), reached.into());
-        }
         timings
     }
 
@@ -183,15 +173,13 @@ impl Timings {
     /// # Errors
     /// [`Error::Input`] with the place of the mistake and the remedy.
     pub fn parse(text: impl AsRef<[u8]>) -> Result<Self> {
-        const REMEDY: &str =
-            "correct it, or move the file away; `signorini bench --record` writes a new one";
+        const REMEDY: &str = "correct it, or restore the file";
         let timings: Self =
             from_record(PATH, text).map_err(|e| Error::input(format!("{e}; {REMEDY}")))?;
         if timings.schema != SCHEMA {
             let found = timings.schema;
             return Err(Error::input(format!(
-                "{PATH}: schema {found}, where this version writes {SCHEMA}; move the file away and measure again \
-                 with `signorini bench --record`"
+                "{PATH}: schema {found}, where this version reads {SCHEMA}; restore the file"
             )));
         }
         match timings.mistake() {
@@ -210,25 +198,5 @@ impl Timings {
             }
         }
         None
-    }
-
-    /// Returns the text of the record.
-    pub fn to_toml(&self) -> String {
-        let Self { schema, bandwidth, machine, .. } = self;
-        let machine = toml::to_string(machine).expect("plain data");
-        let mut text =
-            format!("{HEADER}schema = {schema}\nbandwidth = {bandwidth:?}\n\n[machine]\n{machine}");
-        for (rows, (table, columns)) in self.tables().into_iter().zip(TABLES) {
-            for row in rows.iter() {
-                text += &format!("\n[[{table}]]\n");
-                for name in columns.split(' ') {
-                    if let Some(value) = row.get(name) {
-                        let value = toml::Value::try_from(value).expect("plain data");
-                        text += &format!("{name} = {value}\n");
-                    }
-                }
-            }
-        }
-        text
     }
 }

@@ -4,8 +4,6 @@ use proptest::prelude::ProptestConfig;
 use proptest::test_runner::RngSeed;
 use serde_json::Value;
 use signorini_mathematics::discrete::load::integral;
-use signorini_mathematics::experiments::problems::TableProblem;
-use signorini_mathematics::experiments::{EXPERIMENTS, Findings};
 use signorini_mathematics::problem::source::Source;
 use std::collections::BTreeMap;
 use std::fs;
@@ -266,22 +264,6 @@ pub(crate) fn commands(help: &str) -> Vec<&str> {
 pub(crate) fn this_project() -> signorini::replication::project::Project {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).to_path_buf();
     signorini::replication::project::Project::read(root).unwrap()
-}
-
-/// The paper's problems as experiments take them.
-pub(crate) fn table_problems() -> Vec<TableProblem> {
-    let scenes = this_project().scenes;
-    scenes.iter().filter_map(signorini::replication::scene::Scene::table_problem).collect()
-}
-
-/// Findings of an experiment for the plan of the book with some fields changed.
-pub(crate) fn found(name: &str, changes: &Value) -> Result<Findings, String> {
-    let experiment = EXPERIMENTS.iter().find(|experiment| experiment.name == name).unwrap();
-    let mut plan = (experiment.plan)(&table_problems());
-    for (field, value) in changes.as_object().unwrap() {
-        *plan.get_mut(field).unwrap() = value.clone();
-    }
-    (experiment.run)(&plan)
 }
 
 /// Says that something is not tested here, past libtest's capture; in CI that is a failure, because `.ci/run` installs

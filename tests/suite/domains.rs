@@ -1,6 +1,7 @@
 //! Solvers of optimal cost, multigrid on the square and multilevel iteration on the mesh of the cube: agreement with
 //! the direct method, claims, scaling and refusals.
 
+use crate::hard_loads::{self, with_deficit};
 use crate::multigrid::{exact_loads, natural_residual};
 use crate::solvers::{assert_threads_do_not_matter, distance};
 use signorini_mathematics::discrete::end::End;
@@ -9,7 +10,6 @@ use signorini_mathematics::discrete::law_and_load::LawAndLoad;
 use signorini_mathematics::discrete::nested::NestedNetwork;
 use signorini_mathematics::discrete::network::Network;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::experiments::problems::{self, with_deficit};
 use signorini_mathematics::mesh::{SpaceMesh, mesh_load, refined, uniform_cube};
 use signorini_mathematics::multigrid::active_set::{active_set, active_set_on};
 use signorini_mathematics::multigrid::{Goal, InputError, MultigridParams, solve_square};
@@ -60,7 +60,7 @@ impl Domain for SquareGrid {
     }
 
     fn stress_loads(&self) -> Vec<Named> {
-        problems::stress_loads(self.0)
+        hard_loads::stress_loads(self.0)
     }
 
     fn solve(&self, problem: LawAndLoad<'_>, params: &MultigridParams) -> Solved {

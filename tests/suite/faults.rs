@@ -572,10 +572,7 @@ fn what_goes_with_an_output_that_the_chapters_show_is_named() {
     let dry_run = || project.run(&["run", "--dry-run"]).lines()[0].to_owned();
     let times = fs::read(project.path("pipeline/timings.toml")).unwrap();
     fs::remove_file(project.path("pipeline/timings.toml")).unwrap();
-    assert!(
-        dry_run()
-            .ends_with(": they show recorded times; record some with `signorini bench --record`")
-    );
+    assert!(dry_run().ends_with(": they show recorded times; restore pipeline/timings.toml"));
     project.write("pipeline/timings.toml", times);
     let scene = fs::read_to_string(project.path("pipeline/scenes/problem1.toml")).unwrap();
     let without = scene.replace("\"history\", ", "");

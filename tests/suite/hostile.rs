@@ -287,7 +287,7 @@ impl Chooser {
             "certificate",
             "certificate --output no",
             "bench --repeats 0",
-            "bench --finest 17",
+            "bench no-scene",
             "x",
             "",
         ];

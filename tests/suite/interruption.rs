@@ -1,28 +1,13 @@
 //! Runs that are killed or interrupted: what was finished is kept, and the next run goes on to the same result.
 
 use crate::common::{
-    Dice, EVERYTHING, Project, Said, TABLE, absent, assert_same, interrupt, promised, send,
-    wait_for_handler, wanting,
+    Dice, EVERYTHING, Project, Said, TABLE, absent, assert_same, interrupt, promised, send, wanting,
 };
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
-
-#[test]
-fn interrupted_measurements_are_printed_and_not_recorded() {
-    let project = Project::with(TABLE);
-    let mut command = project.command(&["bench", "--json", "--record", "--repeats", "1"]);
-    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    wait_for_handler(&child);
-    interrupt(&child);
-    let said = Said::from(child.wait_with_output().unwrap());
-    assert_eq!(said.code, Some(130), "{said:?}");
-    assert_eq!(said.json()["schema"], 1, "{said:?}");
-    assert!(said.err.contains("measured until then; nothing was recorded"), "{said:?}");
-    assert!(!project.path("pipeline/timings.toml").exists());
-}
 
 /// Two dozen cells, six figures and a book: long enough to be killed anywhere in it.
 fn long() -> Project {

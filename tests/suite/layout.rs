@@ -1,6 +1,6 @@
 //! The layout of `src/`: rooms use only rooms that come before them, and modules of one room form no circle.
 //!
-//! The first fifteen are a package of their own, the mathematics, which the program uses by its name; so is the
+//! The first fourteen are a package of their own, the mathematics, which the program uses by its name; so is the
 //! pipeline, which uses none of them.
 
 use crate::common::files_below;
@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms of `src/`, each before those that use it.
-pub(crate) const ROOMS: [&str; 22] = [
+pub(crate) const ROOMS: [&str; 21] = [
     "machine",
     "problem",
     "discrete",
@@ -24,7 +24,6 @@ pub(crate) const ROOMS: [&str; 22] = [
     "solvers",
     "statement",
     "identify",
-    "experiments",
     "table",
     "pipeline",
     "timing",
@@ -242,7 +241,7 @@ fn paths_are_read_out_of_groups_and_names_are_followed_to_where_they_are_defined
     assert_eq!(joined("crate::"), ["a::f::"]);
     let names = |text: &str| text.split("::").map(str::to_owned).collect::<Vec<_>>();
     let modules = Modules::read();
-    assert_eq!(modules.module_of(&names("experiments::Rows::of")), names("experiments::rows"));
+    assert_eq!(modules.module_of(&names("identify::Findings::of")), names("identify::findings"));
     let used = modules.used_by(&names("identify::evaluate::runs"));
     assert!(used.contains(&names("saddle::nested")), "{used:?}");
     let used = modules.used_by(&names("pipeline::store"));

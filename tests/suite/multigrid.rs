@@ -2,6 +2,7 @@
 
 use crate::common::{Dice, paper_problems, random_source};
 use crate::domains::{self, Domain, SquareGrid};
+use crate::hard_loads::{nodal_load, stress_loads};
 use crate::solvers::{
     ALGEBRAIC, BYTES, HARD_WORK_UNITS, TEXTBOOK, WORK_UNITS, distance, distance_in_h1,
 };
@@ -14,7 +15,6 @@ use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::discrete::norms::{Errors, errors, multiplier_error};
 use signorini_mathematics::discrete::stiffness::energy;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::experiments::problems::{nodal_load, stress_loads};
 use signorini_mathematics::multigrid::active_set::active_set;
 use signorini_mathematics::multigrid::{
     Goal, InputError, Multigrid, MultigridParams, solve_square,

@@ -209,7 +209,7 @@ pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
 }
 
 /// Returns the file of a table in CSV.
-fn checked_csv(path: &Path) -> Result<OutputFile> {
+pub(in crate::cli) fn checked_csv(path: &Path) -> Result<OutputFile> {
     let ending = path.extension().and_then(OsStr::to_str).map(str::to_lowercase);
     let remedy = match ending.as_deref() {
         Some("csv") => return OutputFile::check(path),

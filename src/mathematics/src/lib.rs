@@ -84,7 +84,6 @@
 
 pub mod bounds;
 pub mod discrete;
-pub mod experiments;
 pub mod formats;
 pub mod identify;
 pub mod levels;

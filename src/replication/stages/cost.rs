@@ -2,8 +2,8 @@
 
 use crate::figures::Stroke::Marked;
 use crate::figures::{Chart, Curve, Picture, charts};
+use crate::table::rows::Rows;
 use crate::timing::recorded::{GOALS, PUBLISHED, Timings, text};
-use signorini_mathematics::experiments::Rows;
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::solvers::Solver;
 

@@ -89,8 +89,6 @@ pub(crate) fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) ->
         tasks.extend(results::task(project));
         if report::left_out(project).is_none() {
             tasks.extend(bench::tasks(project));
-            tasks.extend(bench::pictures());
-            tasks.extend(bench::pictures_of_times(project));
         }
     }
     tasks.sort_by_cached_key(|task| Stage::of(&task.id));

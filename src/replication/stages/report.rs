@@ -36,9 +36,7 @@ pub(crate) fn left_out(project: &Project) -> Option<String> {
         return Some(format!("`{}` and `{}` must have the same grids", first.name, second.name));
     }
     if !project.files.contains_key(recorded::PATH) {
-        return Some(
-            "they show recorded times; record some with `signorini bench --record`".into(),
-        );
+        return Some("they show recorded times; restore pipeline/timings.toml".into());
     }
     if !project.files.contains_key(TRUTH) {
         return Some(

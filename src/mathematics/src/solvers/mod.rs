@@ -3,6 +3,7 @@
 //! A new solver is a room of its own, and an entry of [`SOLVERS`] with a function that hands it a problem.
 
 mod adapted;
+mod convergence;
 mod grids;
 mod reach;
 mod run;
@@ -12,6 +13,7 @@ mod solver;
 mod table;
 
 pub use adapted::Adaption;
+pub use convergence::{Convergence, convergence};
 pub(crate) use grids::Grids;
 pub(crate) use reach::reach;
 pub use reach::{Tried, Watcher};

@@ -9,9 +9,9 @@ use crate::replication::project::Project;
 use crate::replication::stages::figures::{drawing, made};
 use crate::replication::stages::{study, to_json};
 use crate::replication::study::Study;
+use crate::table::rows::{Row, Rows};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use signorini_mathematics::experiments::{Row, Rows};
 use signorini_mathematics::saddle::tolerance;
 use signorini_mathematics::solvers::Solver;
 

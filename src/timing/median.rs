@@ -8,14 +8,14 @@ const BUDGET: f64 = 2.0;
 const SHORTEST: f64 = 1e-3;
 
 /// Median of some times.
-pub(super) struct MedianTime {
-    pub(super) seconds: f64,
+pub(crate) struct MedianTime {
+    pub(crate) seconds: f64,
     /// Distance of the quartiles over the median.
-    pub(super) spread: f64,
+    pub(crate) spread: f64,
 }
 
 /// Times `run`, after one run that does not count.
-pub(super) fn time(repeats: usize, mut run: impl FnMut()) -> MedianTime {
+pub(crate) fn time(repeats: usize, mut run: impl FnMut()) -> MedianTime {
     let first = seconds_per_run(1, &mut run);
     let times = ((SHORTEST / first).ceil() as usize).max(1);
     let mut seconds = Vec::new();

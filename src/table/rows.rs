@@ -2,14 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use std::collections::BTreeMap;
 use std::ops::Deref;
 
-/// Findings: tables, by name.
-pub type Findings = BTreeMap<String, Rows>;
-
 /// Row of a table: a value under the name of each column.
-pub type Row = Map<String, Value>;
+pub(crate) type Row = Map<String, Value>;
 
 /// Rows of a table: a text, a number, a flag or nothing under the name of each column; a list only where one cell of a
 /// page, or a picture, shows it.
@@ -26,14 +22,6 @@ impl Deref for Rows {
 }
 
 impl Rows {
-    /// Rows of some records, whose fields are the columns.
-    ///
-    /// # Panics
-    /// If a record has no fields.
-    pub(crate) fn of<T: Serialize>(records: impl IntoIterator<Item = T>) -> Self {
-        Self(records.into_iter().map(row_of).collect())
-    }
-
     /// Values of a column, in the order of the rows.
     ///
     /// # Errors
@@ -93,17 +81,6 @@ impl Rows {
     }
 }
 
-/// Row of a record, whose fields are the columns.
-///
-/// # Panics
-/// If it has no fields.
-pub(crate) fn row_of<T: Serialize>(record: T) -> Row {
-    match serde_json::to_value(record) {
-        Ok(Value::Object(row)) => row,
-        other => panic!("a row has columns, not {other:?}"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -111,11 +88,12 @@ mod tests {
 
     #[test]
     fn rows_are_asked_by_names_that_are_there() {
-        let rows = Rows::of([
-            json!({ "of": "a", "x": 1, "y": 0.5 }),
-            json!({ "of": "b", "x": 2, "y": null }),
-            json!({ "of": "a", "x": 3, "y": 2.0 }),
+        let rows = json!([
+            { "of": "a", "x": 1, "y": 0.5 },
+            { "of": "b", "x": 2, "y": null },
+            { "of": "a", "x": 3, "y": 2.0 },
         ]);
+        let rows: Rows = serde_json::from_value(rows).unwrap();
         assert_eq!(rows.texts("of").unwrap(), ["a", "b"]);
         assert_eq!(rows.points("x", "y").unwrap(), [(1.0, 0.5), (3.0, 2.0)]);
         assert_eq!(rows.wherever("of", "a").unwrap().numbers("x").unwrap(), [1.0, 3.0]);

@@ -1,37 +1,10 @@
-//! The paper's problems, some that test the search for contact, and loads of growing difficulty.
+//! Load vectors of growing difficulty.
 
-use crate::statement::Statement;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-
-/// Problems that test the search for contact, by name: lift and multiplier are of order one; the second has
-/// discs, and two arcs of contact.
-pub const CONTACT: [(&str, &str); 2] = [
-    ("strong-contact", "quadrant(ll)=6; else=-4"),
-    ("two-arcs", "disc(-0.5,-0.5,0.4)=14; disc(0.5,0.5,0.3)=16; else=-5"),
-];
-
-/// Problem with a table: its statement, and every r of the table.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TableProblem {
-    /// Number of its table.
-    pub number: u8,
-    /// Values of r.
-    pub r: Vec<f64>,
-    /// Problem, grids, and settings of the paper's method but r and the rule.
-    pub statement: Statement,
-}
-
-impl TableProblem {
-    /// Returns the name for a table.
-    pub fn name(&self) -> String {
-        format!("problem {}", self.number)
-    }
-}
 
 /// Subtracts from `load` the multiple of `ones`, the load of f = 1, after which the sum of the load is `-deficit` times
 /// the sum of the absolute values of the original load.
-pub fn with_deficit(mut load: Vec<f64>, ones: &[f64], deficit: f64) -> Vec<f64> {
+pub(crate) fn with_deficit(mut load: Vec<f64>, ones: &[f64], deficit: f64) -> Vec<f64> {
     let sum: f64 = load.iter().sum();
     let size: f64 = load.iter().map(|entry| entry.abs()).sum();
     let excess = sum + deficit * size;
@@ -42,7 +15,7 @@ pub fn with_deficit(mut load: Vec<f64>, ones: &[f64], deficit: f64) -> Vec<f64> 
 }
 
 /// Nodal load of `f` on `n` by `n` cells, row by row, `(n + 1)^2` numbers: with this deficit, or unchanged without one.
-pub fn nodal_load(n: usize, deficit: Option<f64>, f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+pub(crate) fn nodal_load(n: usize, deficit: Option<f64>, f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let h = 1.0 / n as f64;
     let (mut ones, mut load) = (Vec::new(), Vec::new());
     for j in 0..=n {
@@ -66,7 +39,7 @@ fn share(i: usize, n: usize) -> f64 {
 /// Semicoercive problems of growing difficulty: contact at few nodes, at one, at both sides of a corner.
 ///
 /// The number in a name is minus the sum of the load over the sum of absolute values.
-pub fn stress_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
+pub(crate) fn stress_loads(n: usize) -> Vec<(&'static str, Vec<f64>)> {
     let spike = nodal_load(n, Some(1e-2), |x, y| {
         if libm::hypot(x, y - 0.2) < 1.5 / n as f64 { 1e4 } else { -1.0 }
     });

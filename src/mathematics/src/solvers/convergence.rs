@@ -1,0 +1,180 @@
+//! Convergence of the paper's method: the spectral radius of one iteration on the contact set of the solution, and the
+//! factor per iteration by which the method itself converges in the end.
+//!
+//! On a contact set that no longer changes, (9)-(12) is linear in the error. In contact,
+//! `y_i = (h a_i - sum A_ij y_j) / (A_ii + h r)` and `a_i <- a_i - r y_i`; elsewhere `y_i = - sum A_ij y_j / A_ii`, and
+//! a is zero. Powers of this map grow like powers of its spectral radius. A vector for one r is the start for the next,
+//! so that few iterations are enough.
+
+use super::{Settings, Solver, solve};
+use crate::discrete::grid::Grid;
+use crate::discrete::load::{Diagonal, LoadRule};
+use crate::discrete::network::{ContactRow, Network};
+use crate::discrete::norms::largest;
+use crate::levels::Problem;
+use crate::problem::law::Law;
+use crate::saddle::{Method, Pair, RunStart, RunState, engine, run_alone};
+
+/// Relative change of a gap from block to block of iterations at which it is taken for settled.
+const SETTLED: f64 = 1e-3;
+/// Most blocks of iterations.
+const BLOCKS: usize = 400;
+
+/// Convergence of the paper's method on one grid.
+#[derive(Clone, Debug)]
+pub struct Convergence {
+    /// Number of nodes in contact.
+    pub contact: usize,
+    /// One minus the spectral radius of one iteration, for each r.
+    pub gaps: Vec<f64>,
+    /// One minus the factor by which the changes of y shrink from one iteration to the next, once the contact set is
+    /// that of the solution, from zero and with the r that is measured.
+    pub measured: f64,
+    /// Number of iterations after which it was measured.
+    pub iterations: usize,
+}
+
+/// Computes the spectral radius of one iteration for each r, the largest first, and measures the method itself with
+/// `measured_r`: for f on the square, integrated exactly, on a grid with so many cells per side. The central function
+/// of this module.
+///
+/// # Errors
+/// A sentence if f cannot be read, the problem cannot be solved, or a factor does not settle.
+pub fn convergence(
+    f: &str,
+    cells: usize,
+    r: &[f64],
+    measured_r: f64,
+) -> Result<Convergence, String> {
+    let case = Case::new(f, cells)?;
+    let mut pair = Pair::zero(case.grid);
+    pair.y.fill(1.0);
+    let gaps = r.iter().map(|&r| case.gap(r, &mut pair)).collect::<Result<_, _>>()?;
+    let contact = case.held.iter().filter(|&&held| held).count();
+    let (measured, iterations) = case.measured(measured_r)?;
+    Ok(Convergence { contact, gaps, measured, iterations })
+}
+
+/// Discrete problem with the contact set of its solution.
+struct Case {
+    grid: Grid,
+    network: Network,
+    load: Vec<f64>,
+    /// True at the boundary nodes with a positive multiplier.
+    held: Vec<bool>,
+}
+
+impl Case {
+    fn new(f: &str, cells: usize) -> Result<Self, String> {
+        let grid = Grid::new(cells)?;
+        let f = f.parse().map_err(|e| format!("f: {e}"))?;
+        let rule = LoadRule::Exact { diagonal: Diagonal::default() };
+        let problem = Problem::on_square(vec![grid], f, rule, Law::SIGNORINI);
+        let problem = problem.map_err(|e| e.to_string())?;
+        let run = solve(&problem, &Settings::of(Solver::ActiveSet)).map_err(|e| e.to_string())?;
+        let held = run.pair().a.iter().map(|&a| a > 0.0).collect();
+        Ok(Self { grid, network: Network::of_square(grid), load: problem.load().to_vec(), held })
+    }
+
+    /// Number of iterations in a block: a quarter of what smooth errors take.
+    fn block(&self) -> usize {
+        self.grid.cells() * self.grid.cells() / 4
+    }
+
+    /// One minus the spectral radius of an iteration, by its powers on a pair, which becomes the dominant one.
+    fn gap(&self, r: f64, pair: &mut Pair) -> Result<f64, String> {
+        let zero = vec![0.0; self.load.len()];
+        let mut before = f64::NAN;
+        for _ in 0..BLOCKS {
+            let start = largest(&pair.y);
+            for entry in pair.y.iter_mut().chain(&mut pair.a) {
+                *entry /= start;
+            }
+            for _ in 0..self.block() {
+                self.iterate(&zero, r, pair);
+            }
+            let gap = self.gap_of(largest(&pair.y));
+            if (gap - before).abs() <= SETTLED * gap {
+                return Ok(gap);
+            }
+            before = gap;
+        }
+        Err(format!("no spectral radius with r = {r}"))
+    }
+
+    /// One minus the factor per iteration that in a block makes this factor.
+    fn gap_of(&self, factor: f64) -> f64 {
+        -libm::expm1(libm::log(factor) / self.block() as f64)
+    }
+
+    /// One iteration on the contact set.
+    fn iterate(&self, load: &[f64], r: f64, Pair { y, a }: &mut Pair) {
+        self.network.sweep(load, y, |b, ContactRow { sum, diagonal, measure }| {
+            if self.held[b] {
+                (sum + measure * a[b]) / (diagonal + measure * r)
+            } else {
+                sum / diagonal
+            }
+        });
+        for ((a, contact), held) in a.iter_mut().zip(self.network.contact()).zip(&self.held) {
+            *a = if *held { *a - r * y[contact.node] } else { 0.0 };
+        }
+    }
+
+    /// One minus the factor of the method itself from zero, once its contact set stays the final one and the factor has
+    /// settled; and the number of iterations.
+    fn measured(&self, r: f64) -> Result<(f64, usize), String> {
+        let (method, pair) = (Method::ArrowHurwicz, &Pair::zero(self.grid));
+        let start = RunStart { load: &self.load, method, r, pair };
+        let (mut iterations, mut last) = (1, Vec::new());
+        let (mut change, mut before) = (f64::NAN, f64::NAN);
+        let mut engine = engine(self.grid, Law::SIGNORINI, &start);
+        let state = RunState::new(&start, BLOCKS * self.block());
+        let end = run_alone(&mut *engine, state, &mut |engine, _| {
+            let pair = engine.pair(0);
+            let at = iterations % self.block();
+            iterations += 1;
+            if at + 1 == self.block() {
+                last.clone_from(&pair.y);
+            }
+            if at > 0 {
+                return false;
+            }
+            let changes: Vec<f64> = pair.y.iter().zip(&last).map(|(y, last)| y - last).collect();
+            let now = largest(&changes);
+            let gap = self.gap_of(now / change);
+            let is_final = pair.a.iter().zip(&self.held).all(|(&a, &held)| (a > 0.0) == held);
+            let is_settled = is_final && (gap - before).abs() <= SETTLED * gap;
+            // A factor under another contact set says nothing.
+            (change, before) = (now, if is_final { gap } else { f64::NAN });
+            is_settled
+        });
+        match end.count() {
+            Some(_) => Ok((before, iterations)),
+            None => Err(format!("the method does not settle with r = {r}")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_iteration_converges_as_the_method_does_and_small_r_slows_it_down() {
+        let r = [1e6, 1e4, 1e3, 100.0, 30.0, 10.0, 3.0, 1.0, 0.5, 0.2];
+        for f in [F, "exact(free-corner)"] {
+            let Convergence { gaps, measured, .. } = convergence(f, 8, &r, 10.0).unwrap();
+            assert!(gaps.iter().all(|gap| (1e-4..1.0).contains(gap)), "{f}: {gaps:?}");
+            assert!((measured / gaps[5] - 1.0).abs() < 0.02, "{f}: {measured} {gaps:?}");
+            if f != F {
+                // Of Uzawa's method on boundary values that alternate from node to node.
+                let expected = 0.2 / 8.0 / 8f64.sqrt();
+                assert!((gaps[9] / expected - 1.0).abs() < 0.06, "{gaps:?}");
+            }
+        }
+    }
+
+    /// f of the paper's second problem.
+    const F: &str = "quadrant(ll)=-6; else=1.998";
+}
