@@ -1,4 +1,4 @@
-//! `pipeline/timings.toml`: times that were measured on one machine and day, with their noise, which only the book reads.
+//! `pipeline/timings.toml`: times that were measured on one machine and day, with their noise, for the book.
 
 use crate::pipeline::error::{Error, Result, from_record};
 use crate::table::rows::{Row, Rows};

@@ -48,8 +48,8 @@ pub struct Statement {
     /// Settings of a saddle-point method; none for other solvers.
     #[serde(flatten)]
     pub saddle: Option<SaddleSettings>,
-    /// KKT residual over the largest load at which multigrid or a saddle-point method stops; none for the rounding floor
-    /// or the stopping rule.
+    /// KKT residual over the largest load at which multigrid or a saddle-point method stops; none for the rounding
+    /// floor or the stopping rule.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
 }
