@@ -1,4 +1,4 @@
-//! What `--help` shows: all options, each in the words of its first paragraph; `-h` leaves out the rarer ones, and the
+//! Help: `--help` shows all options, each in the words of its first paragraph; `-h` leaves out the rarer ones, and the
 //! manual pages have all that is said of each.
 
 use clap::builder::Resettable;

@@ -49,7 +49,7 @@ pub(super) struct SolveArgs {
     fields: Fields,
     /// Most nodes of a mesh that is refined to an accuracy
     ///
-    /// What is reached with them is the answer. Ctrl-C ends a run to an accuracy in the same way, a second one at once.
+    /// The mesh that is reached with them has the answer. Ctrl-C ends a run to an accuracy in the same way, a second one at once.
     #[arg(long, value_name = "N", hide_short_help = true)]
     most_nodes: Option<usize>,
     /// A line for each mesh on the way to an accuracy
@@ -78,13 +78,13 @@ pub(super) struct SolveArgs {
     save: Option<String>,
     /// Write the solution: .svg .vti .vtu .pvd .npz .npy .csv
     ///
-    /// An .svg is a picture, .vti and on a mesh .vtu are for ParaView, .npz and .npy for NumPy. An .npz has v, multiplier and f, on a mesh also region and local_error, an .npy v alone. The multiplier is zero
-    /// inside and on fixed and free parts. A .pvd lists a .vtu of each refinement of the mesh, of an accuracy also
-    /// those between solutions, all with the last v, the coarsest first, and a .csv has v and its gradient at the
-    /// points of --at and --line. The ending alone, `vti`, names the file after the scene. The spectral solver's
-    /// solution is written at the nodes of --h, or of the mesh of --refine. A picture is a shaded surface on the square
-    /// and a map on every other domain in the plane, unless --map or --surface says otherwise; a solution in space has
-    /// none.
+    /// An .svg is a picture, .vti and on a mesh .vtu are for ParaView, .npz and .npy for NumPy. An .npz has v,
+    /// multiplier and f, on a mesh also region and local_error, an .npy v alone. The multiplier is zero inside and on
+    /// fixed and free parts. A .pvd lists a .vtu of each refinement of the mesh, of an accuracy also those between
+    /// solutions, all with the last v, the coarsest first, and a .csv has v and its gradient at the points of --at
+    /// and --line. The ending alone, `vti`, names the file after the scene. The spectral solver's solution is written
+    /// at the nodes of --h, or of the mesh of --refine. A picture is a shaded surface on the square and a map on
+    /// every other domain in the plane, unless --map or --surface says otherwise; a solution in space has none.
     #[arg(long, help_heading = FILES, value_name = "FILE")]
     out: Option<PathBuf>,
     /// In an .svg, a map with isolines [default on meshes]

@@ -83,17 +83,20 @@ pub(crate) struct Fields {
         action = ArgAction::Set)]
     pub r: Option<Vec<f64>>,
     /// Stopping rule: signed (of the tables), printed, signed-dual, printed-dual [default: the scene's, or printed]
-    #[arg(long, help_heading = PAPERS, value_name = "RULE", hide_short_help = true, hide_possible_values = true, num_args = 1,
+    #[arg(long, help_heading = PAPERS, value_name = "RULE", hide_short_help = true, hide_possible_values = true,
+        num_args = 1,
         action = ArgAction::Set, value_parser = Suggested(StopRule::ALL.map(StopRule::name).to_vec()))]
     pub stop: Option<Vec<String>>,
     /// r whose solution a scene draws.
     #[arg(skip)]
     pub draw_r: Option<f64>,
     /// Most iterations per grid, of Uzawa's method sweeps [default: the scene's, or 1000000]
-    #[arg(long, help_heading = PAPERS, value_name = "N", hide_short_help = true, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, help_heading = PAPERS, value_name = "N", hide_short_help = true,
+        value_parser = clap::value_parser!(u64).range(1..))]
     pub max_iterations: Option<u64>,
     /// Value at the centre of a coarse cell on the next grid [default: the scene's, or bilinear]
-    #[arg(long, help_heading = PAPERS, value_name = "RULE", hide_short_help = true, value_parser = prolongation_parser())]
+    #[arg(long, help_heading = PAPERS, value_name = "RULE", hide_short_help = true,
+        value_parser = prolongation_parser())]
     pub prolongation: Option<Prolongation>,
     /// KKT residual where multigrid stops [default: rounding floor]
     ///

@@ -1,4 +1,4 @@
-//! What the program does not solve, with the way around where there is one: said by refusals and by the book.
+//! Problems that are not solved, with the way around where there is one: said by refusals and by the book.
 
 use serde::Serialize;
 
@@ -7,9 +7,9 @@ use serde::Serialize;
 pub(crate) struct Limit {
     /// Words by which it is asked for, as options, keys and names of what varies.
     words: &'static [&'static str],
-    /// What is wanted.
+    /// Feature that is wanted.
     wanted: &'static str,
-    /// What there is, with the way around.
+    /// Feature that there is, with the way around.
     instead: &'static str,
 }
 
@@ -24,7 +24,8 @@ pub(crate) static LIMITS: [Limit; 7] = [
     Limit {
         words: &["dirichlet", "value", "displacement", "boundary", "bc"],
         wanted: "a value other than 0 on a fixed part",
-        instead: "--fixed PART holds v at 0; if each part is fixed or free, a constant c is the same problem with v + c",
+        instead: "--fixed PART holds v at 0; if each part is fixed or free, a constant c is the same problem with \
+            v + c",
     },
     Limit {
         words: &["neumann", "flux", "robin", "traction"],
@@ -59,7 +60,7 @@ pub(crate) static LIMITS: [Limit; 7] = [
     },
 ];
 
-/// What is wanted by a law for each part, and what there is.
+/// Law for each part: what is wanted, and what there is.
 const ONE_LAW: (&str, &str) = (
     "another law for each part of the boundary",
     "the number of --friction or --limit holds on all parts in contact; --free and --fixed except parts",

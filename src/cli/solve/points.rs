@@ -18,7 +18,7 @@ pub(super) struct PointArgs {
     /// In space a point has three numbers.
     #[arg(long, value_name = "X,Y", hide_short_help = true, allow_hyphen_values = true)]
     at: Vec<String>,
-    /// The same at 101 points of a line, as -0.5,0,0.5,0
+    /// v and its gradient at 101 points, as -0.5,0,0.5,0
     #[arg(long, value_name = "X0,Y0,X1,Y1", hide_short_help = true, allow_hyphen_values = true)]
     line: Vec<String>,
 }

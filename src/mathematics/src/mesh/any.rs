@@ -236,7 +236,8 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
                 "`{name}` lies inside the domain, where {where_inside}; the parts of the boundary are {parts}"
             ),
             false if self.has_part_before_equals(name) => format!(
-                "`{name}` gives a part a value; v is 0 on a fixed part, and the flux is 0 on a free one: name the part alone"
+                "`{name}` gives a part a value; v is 0 on a fixed part, and the flux is 0 on a free one: name \
+                 the part alone"
             ),
             false => format!("the mesh has no part `{name}`; its parts are {parts}"),
         })
