@@ -1,6 +1,6 @@
 //! Studies: scenes whose members have other values of some fields, or of names in f.
 
-use crate::replication::columns::{COLUMNS, END, STOP};
+use crate::replication::columns::{COLUMNS, END, STOP, beside};
 use crate::replication::fields::keys::{AxisName, ChartFields};
 use crate::replication::fields::lists::repeated;
 use crate::replication::fields::member::{Member, Varying, in_words};
@@ -127,8 +127,12 @@ impl Study {
     /// Columns of what was found that the table in CSV has.
     fn tabulated(&self) -> Vec<&'static str> {
         let mut columns = self.found();
+        let is_bound = |name: &&str| self.columns.iter().any(|shown| beside(shown).contains(name));
         columns.retain(|column| {
-            self.columns.is_empty() || ALWAYS.contains(column) || self.shows(column)
+            self.columns.is_empty()
+                || ALWAYS.contains(column)
+                || self.shows(column)
+                || is_bound(column)
         });
         columns
     }
