@@ -127,12 +127,11 @@ impl Study {
     /// Columns of what was found that the table in CSV has.
     fn tabulated(&self) -> Vec<&'static str> {
         let mut columns = self.found();
-        let is_bound = |name: &&str| self.columns.iter().any(|shown| beside(shown).contains(name));
         columns.retain(|column| {
             self.columns.is_empty()
                 || ALWAYS.contains(column)
                 || self.shows(column)
-                || is_bound(column)
+                || self.columns.iter().any(|shown| beside(shown).contains(column))
         });
         columns
     }

@@ -1,6 +1,5 @@
 //! Text on an answer: guaranteed bounds of its error and of the true energy, and the contact found.
 
-use super::truth::TEN;
 use crate::replication::record::{CONTACT_FORCE, FLUX};
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::levels::Reserve;
@@ -42,6 +41,9 @@ pub(super) fn text(solved: &Solved, recovered: bool) -> String {
     }
     text + "\n"
 }
+
+/// Digits of numbers of a true solution without bounds, as many as the solver says that it has.
+pub(super) const TEN: usize = 10;
 
 /// Words for the boundary under a law.
 pub(super) struct BoundaryWords {

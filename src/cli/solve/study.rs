@@ -263,8 +263,8 @@ fn for_people(study: &Study, solved: &[Numbers]) -> Table {
             cells.push(match digits {
                 0 => numbers.cells(&[column]).concat(),
                 digits => {
-                    let number = |name: &str| numbers.number(name);
-                    shown((column, digits), numbers.has_true_energy(), number).unwrap_or_default()
+                    shown((column, digits), numbers.has_true_energy(), |name| numbers.number(name))
+                        .unwrap_or_default()
                 }
             });
         }

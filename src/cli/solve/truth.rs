@@ -1,15 +1,12 @@
 //! Parts of an answer that only a true solution has: its numbers, and the checks that they stand.
 
-use super::bound::{self, BoundaryWords};
+use super::bound::{self, BoundaryWords, TEN};
 use super::clock::turning;
 use indicatif::ProgressBar;
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::problem::text::{known, plain};
 use signorini_mathematics::solvers::Solved;
 use signorini_mathematics::spectral::PlaneChecks;
-
-/// Digits of numbers without bounds, as many as the solver says that it has.
-pub(super) const TEN: usize = 10;
 
 /// Returns a true solution in words; nothing of another.
 pub(super) fn text(solved: &Solved) -> String {

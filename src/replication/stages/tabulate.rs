@@ -87,11 +87,12 @@ pub(super) fn with_few_digits(
     const SIX: usize = 6;
     let mut table = table.clone();
     let head = table.head.clone();
-    let place = |name: &str| head.iter().position(|column| column == name);
     for (k, row) in table.rows.iter_mut().enumerate() {
         let all = row.clone();
-        let number =
-            |name: &str| all[place(name)?].parse::<f64>().ok().filter(|number| number.is_finite());
+        let number = |name: &str| {
+            let place = head.iter().position(|column| column == name)?;
+            all[place].parse::<f64>().ok().filter(|number| number.is_finite())
+        };
         for (cell, column) in row.iter_mut().zip(&head).skip(given) {
             if cell.contains(['.', 'e']) {
                 *cell = shown((column, SIX), is_true(k), number).unwrap_or_else(|| cell.clone());
@@ -99,9 +100,9 @@ pub(super) fn with_few_digits(
         }
         if let [Some(low), Some(high)] = BRACKET.map(number) {
             let text = interval([low, high]);
-            let ends = text[1..text.len() - 1].split(", ");
-            for (place, end) in BRACKET.into_iter().filter_map(place).zip(ends) {
-                row[place] = end.into();
+            for (name, end) in BRACKET.into_iter().zip(text[1..text.len() - 1].split(", ")) {
+                let columns = row.iter_mut().zip(&head).filter(|(_, column)| *column == name);
+                columns.for_each(|(cell, _)| *cell = end.into());
             }
         }
     }

@@ -182,8 +182,8 @@ impl Solved {
         }
     }
 
-    /// Distance within which the length in contact of a true solution lies from [`Solved::contact_length`], as estimated
-    /// from the errors of the ends; none of another.
+    /// Distance within which the length in contact of a true solution lies from [`Solved::contact_length`], as its ends
+    /// estimate it; none of another.
     pub fn contact_length_error(&self) -> Option<f64> {
         let errors = self.truth()?.contact.iter().flat_map(|arc| arc.error.unwrap_or_default());
         Some(errors.fold(0.0, |sum, error| sum + error))
