@@ -274,7 +274,7 @@ fn shown_figures<'a>(inputs: &'a Inputs) -> BTreeMap<&'a str, Value> {
             let table = format!("{name}.csv");
             let data = match made.contains_key(&table) {
                 true => format!("figures/{table}"),
-                false => "data.html".into(),
+                false => "fields.html".into(),
             };
             let [width, height] = ["width", "height"].map(|key| attribute(bytes, key));
             figures.insert(
@@ -289,13 +289,11 @@ fn shown_figures<'a>(inputs: &'a Inputs) -> BTreeMap<&'a str, Value> {
     figures
 }
 
-/// Returns the command that draws a figure: a run of its scene, if it is of one.
-fn command(inputs: &Inputs, figure: &str) -> String {
+/// Returns the command that draws a figure of a scene; none for one that `signorini run` alone draws.
+fn command(inputs: &Inputs, figure: &str) -> Option<String> {
     let mut scenes = inputs.artifacts.keys().filter_map(|task| scene_of(task));
-    let own = figures::scene_of(figure).filter(|own| scenes.any(|scene| scene == *own));
-    own.map_or("signorini run --only figures".into(), |scene| {
-        format!("signorini run {}", in_shell(scene))
-    })
+    let own = figures::scene_of(figure).filter(|own| scenes.any(|scene| scene == *own))?;
+    Some(format!("signorini run {}", in_shell(own)))
 }
 
 /// Returns an attribute of the root of an SVG file that is a number.
