@@ -243,8 +243,6 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         "is_papers_law": scene.statement.law.is_none(),
         // Share of the boundary under the law on which v is held at zero, of a scene with a map.
         "held": held.transpose()?,
-        // Accuracy of the energy of a true solution, over the energy.
-        "accuracy": outcomes.accuracy.map(f64::abs),
         "f": facts.f,
         // The exact solution in LaTeX, if it is known.
         "exact": exact,
@@ -252,7 +250,7 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         "relative": bounds.map(Bounds::relative).filter(|&error| error < 1.0),
         // The finest level; none for the spectral solver.
         "level": level,
-        "energy": outcomes.energy,
+        "energy": outcomes.shown_energy(5),
     });
     Ok(extended(scene, more))
 }
