@@ -49,8 +49,8 @@ pub(super) struct SolveArgs {
     fields: Fields,
     /// Most nodes of a mesh that is refined to an accuracy
     ///
-    /// The mesh that is reached with them has the answer. Ctrl-C ends a run to an accuracy in the same way, a second one
-    /// at once.
+    /// The mesh that is reached with them has the answer. Ctrl-C ends a run to an accuracy in the same way, a
+    /// second one at once.
     #[arg(long, value_name = "N", hide_short_help = true)]
     most_nodes: Option<usize>,
     /// A line for each mesh on the way to an accuracy
