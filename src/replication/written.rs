@@ -103,7 +103,7 @@ impl Voice {
                 (format!("is not reached: rounding errors leave {least:.1e}"), less_or_spectral)
             }
             end => {
-                let bounds = solved.bounds().last()?.as_ref().ok()?;
+                let bounds = solved.last_bounds()?;
                 let error = error(accuracy, accuracy.reached(bounds));
                 let [nodes, _] = solved.problem.lengths();
                 let fact = format!("is not reached: {error} with {nodes} nodes; {}", reason(end));

@@ -66,13 +66,12 @@ impl Answer {
     }
 
     /// Returns the energy that answers and, if it is another, that of v.
-    fn energy_in_words(&self, request: &Request) -> String {
+    fn energy_in_words(&self, request: &Request, run: &Run) -> String {
         let digits = match request.statement.accuracy() {
             Some(Accuracy::Energy(wanted)) => DIGITS.max(2 + (-libm::log10(wanted)) as usize),
             _ => DIGITS,
         };
-        let (energy, of_v) =
-            (details::answering_energy(&request.statement, &self.solved), self.solved.energy());
+        let (energy, of_v) = (self.solved.energy(), run.last().energy);
         let mut text = format!("energy {}\n", plain(energy, digits));
         if energy != of_v {
             text += &format!("energy of the linear v {}\n", plain(of_v, DIGITS));
@@ -133,7 +132,7 @@ impl Answer {
     fn solution(&self, request: &Request, run: &Run, recover: bool) -> String {
         let (problem, levels) = (&self.solved.problem, self.solved.problem.levels());
         let (last, law, integral) = (run.last(), problem.law(), levels.facts().integral);
-        let mut text = self.energy_in_words(request);
+        let mut text = self.energy_in_words(request, run);
         if !last.verdict().is_failure() || request.statement.accuracy().is_some() {
             text += &bound::text(&self.solved, recover);
         }

@@ -11,7 +11,7 @@ use signorini_mathematics::solvers::Solved;
 /// a warning says why there are none.
 pub(super) fn text(solved: &Solved, recovered: bool) -> String {
     let problem = &solved.problem;
-    let Some(Ok(bound)) = solved.bounds().last() else { return String::new() };
+    let Some(bound) = solved.last_bounds() else { return String::new() };
     let domain = if problem.levels().facts().dimension == 2 { "polygon" } else { "polyhedron" };
     let guaranteed = match &solved.reserves()[..] {
         [] => "guaranteed:".to_owned(),

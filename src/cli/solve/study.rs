@@ -198,7 +198,7 @@ pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
     if interrupted().is_asked() {
         return Err(Error::Interrupted);
     }
-    match solved.iter().map(Numbers::reason).collect::<Option<Vec<_>>>() {
+    match solved.iter().map(|of| of.reason.as_ref()).collect::<Option<Vec<_>>>() {
         Some(reasons) => {
             let not_saved = if asked.saved.is_some() { "; no scene is written" } else { "" };
             let reason = format!("no member has a solution{not_saved}: {}", reasons[0]);
@@ -228,7 +228,7 @@ fn checked_csv(path: &Path) -> Result<OutputFile> {
 fn lines(Asked { study, scene_name, .. }: &Asked, solved: &[Numbers]) -> String {
     let mut text = String::new();
     for ((member, numbers), mut line) in study.members.iter().zip(solved).zip(study.rows(solved)) {
-        line.extend(numbers.details().clone());
+        line.extend(numbers.details.clone());
         let values = study.values(member).map(|value| value.json());
         let varied: Map<String, Value> = study.names.iter().cloned().zip(values).collect();
         line.insert("varied".into(), varied.into());

@@ -66,8 +66,8 @@ impl Judge<'_> {
             warnings.extend(no_bound(solved));
         }
         let mut shortfall = None;
-        match (solved.bounds().last(), self.statement.accuracy(), &failure) {
-            (Some(Ok(bounds)), None, None) => {
+        match (solved.last_bounds(), self.statement.accuracy(), &failure) {
+            (Some(bounds), None, None) => {
                 warnings.extend(self.of_bounds(bounds, last.energy));
             }
             (_, Some(accuracy), None) => shortfall = self.voice.shortfall(accuracy, solved),
@@ -370,7 +370,7 @@ impl Judge<'_> {
 
 /// Warns if there is no bound of the error.
 fn no_bound(solved: &Solved) -> Option<Warning> {
-    let reason = solved.bounds().last()?.as_ref().err()?;
+    let reason = solved.no_bound()?;
     Some(Warning::fact(format!("no bound of the error: {reason}")))
 }
 

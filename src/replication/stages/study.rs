@@ -1,6 +1,6 @@
 //! Tasks of a study: one for each member, the table of all, and its chart.
 
-use super::solve::{self, Recorder};
+use super::solve::{self, NUMBERS, Recorder};
 use super::{from_json, tabulate, to_json};
 use crate::figures::{Chart, Curve, Picture, Scale, Stroke, axes_alone, charts};
 use crate::pipeline::error::Error;
@@ -17,9 +17,6 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use signorini_mathematics::statement::Statement;
 use std::sync::atomic::AtomicBool;
-
-/// Artifact with the [`Numbers`] of a member.
-const NUMBERS: &str = "numbers.json";
 
 /// Returns the tasks of a study.
 pub(super) fn tasks(scene: &Scene) -> Vec<Task> {
@@ -170,8 +167,8 @@ pub(crate) fn remarks(
         count += 1;
         let numbers = outcome(&task, NUMBERS);
         let numbers = numbers.and_then(|bytes| serde_json::from_slice::<Numbers>(&bytes).ok());
-        without += usize::from(numbers.as_ref().is_some_and(|of| of.reason().is_some()));
-        warned += usize::from(numbers.is_some_and(|of| !of.warnings().is_empty()));
+        without += usize::from(numbers.as_ref().is_some_and(|of| of.reason.is_some()));
+        warned += usize::from(numbers.is_some_and(|of| !of.warnings.is_empty()));
     }
     let says = match scene.wants(Output::Table) {
         true => format!("{}/{}", tabulate::FOLDER, tabulate::file(scene)),
@@ -206,9 +203,9 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
         });
         let [x, y] = [0, 1].map(|axis| axes.value(axis, study, (member, &numbers)));
         // Numbers where a solver ended without a solution are none of a solution.
-        curves[place].1.extend(x.zip(y).filter(|_| numbers.reason().is_none()));
-        left_out += usize::from(x.zip(y).is_none() && numbers.reason().is_none());
-        reason = reason.or_else(|| numbers.reason().map(str::to_owned));
+        curves[place].1.extend(x.zip(y).filter(|_| numbers.reason.is_none()));
+        left_out += usize::from(x.zip(y).is_none() && numbers.reason.is_none());
+        reason = reason.or(numbers.reason);
     }
     for (_, points) in &mut curves {
         points.sort_by(|(one, _), (other, _)| one.total_cmp(other));
