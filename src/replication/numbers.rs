@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::levels::Reserve;
+use signorini_mathematics::problem::text::{interval, percent, plain};
 use signorini_mathematics::solvers::{Run, Solved, Solver};
 use signorini_mathematics::statement::Statement;
 
@@ -113,8 +114,37 @@ impl Numbers {
 
     /// Guaranteed bounds; none where there are none, or no solution.
     pub(crate) fn bounds(&self) -> Option<Bounds> {
-        let bounds = self.details.get("bound").filter(|_| self.reason.is_none())?;
-        Bounds::deserialize(bounds).ok()
+        self.energy_lower?;
+        Bounds::deserialize(self.details.get("bound")?).ok()
+    }
+
+    /// Guaranteed bounds in words; none where there are none.
+    pub(crate) fn guarantee(&self) -> Option<Guarantee> {
+        let bounds = self.bounds()?;
+        let in_space = self.details.get("dimension").is_some_and(|number| *number == 3);
+        let domain = if in_space { "polyhedron" } else { "polygon" };
+        let is_left_out =
+            |what: Reserve| self.reserve.as_ref().is_some_and(|of| of.contains(what.name()));
+        let mut but = String::new();
+        if is_left_out(Reserve::Polygon) {
+            but += &format!(", on the {domain}");
+        }
+        if is_left_out(Reserve::Quadrature) {
+            but += ", but for the quadrature of f";
+        }
+        let [least, most] = bounds.error;
+        let range = match least > 0.0 {
+            true => format!("{} to ", plain(least, 4)),
+            false => "at most ".into(),
+        };
+        let error =
+            format!("error in the energy norm {range}{}", with_share(most, bounds.relative()));
+        let mut parts = vec![format!("true energy in {}", interval(bounds.energy)), error];
+        parts.extend(bounds.curve.map(|curve| {
+            let curve = plain(curve, 2);
+            format!("energy beside the {domain}, which no bound holds, about {curve}")
+        }));
+        Some(Guarantee { but, parts })
     }
 
     /// Numbers on all levels on which the solver ended, coarsest first; of a true solution one, without a level.
@@ -135,9 +165,10 @@ impl Numbers {
         }
     }
 
-    /// Number in a column; none if the column has texts, or the solution has no such number.
-    pub(crate) fn number(&self, column: &str) -> Option<f64> {
-        self.values(&[column])[0].1.as_f64()
+    /// Numbers in some columns; none where the column has texts, or the solution has no such number.
+    pub(crate) fn numbers<const N: usize>(&self, columns: [&str; N]) -> [Option<f64>; N] {
+        let all = self.json();
+        columns.map(|column| all.get(column)?.as_f64())
     }
 
     /// All columns, and all details.
@@ -162,6 +193,23 @@ impl Numbers {
     pub(crate) fn cells(&self, columns: &[&str]) -> Vec<String> {
         self.values(columns).iter().map(|(_, value)| cell(value)).collect()
     }
+}
+
+/// Guaranteed bounds in words.
+pub(crate) struct Guarantee {
+    /// What they leave out; empty if nothing.
+    pub(crate) but: String,
+    /// Bracket of the energy, bound of the error, and on a curved domain the energy beside it.
+    pub(crate) parts: Vec<String>,
+}
+
+/// Returns a bound of the error, and its share of the solution if that is below one.
+pub(crate) fn with_share(bound: f64, share: f64) -> String {
+    let of_solution = match share < 1.0 && bound > 0.0 {
+        true => format!(", at most {} of the solution", percent(share, 3)),
+        false => String::new(),
+    };
+    plain(bound, 4) + &of_solution
 }
 
 /// Returns a value of a row as a table has it.

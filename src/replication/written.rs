@@ -6,7 +6,7 @@ use super::record::advice::{Remedy, Warning};
 use crate::pipeline::error::Error;
 use crate::replication::fields::table::Voice;
 use signorini_mathematics::bounds::Accuracy;
-use signorini_mathematics::problem::text::plain;
+use signorini_mathematics::problem::text::percent;
 use signorini_mathematics::solvers::{
     MOST_CELLS, ReachEnd, Refusal, Solved, Solver, takes_spectral,
 };
@@ -118,11 +118,11 @@ impl Voice {
 
 /// Bound that was reached, in words.
 pub(crate) fn error(accuracy: Accuracy, reached: f64) -> String {
-    let percent = plain(100.0 * reached, 3);
+    let percent = percent(reached, 3);
     match accuracy {
         _ if !reached.is_finite() => "error not below the solution".into(),
-        Accuracy::Error(_) => format!("error at most {percent} %"),
-        Accuracy::Energy(_) => format!("error of the energy at most {percent} %"),
+        Accuracy::Error(_) => format!("error at most {percent}"),
+        Accuracy::Energy(_) => format!("error of the energy at most {percent}"),
     }
 }
 

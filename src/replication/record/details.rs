@@ -24,7 +24,7 @@ pub(crate) fn details(
     insert(json!({
         "f": facts.f,
         "dimension": facts.dimension,
-        "integral_f": integral(solved),
+        "integral_f": solved.integral(),
         "contact": solved.contact(),
         "bound": bound(solved),
         "failure": record.refusal().map(|failure| &failure.fact),
@@ -43,13 +43,6 @@ pub(crate) fn details(
         insert(of_method(statement, solved, run));
     }
     json
-}
-
-/// Integral of f: of a true solution over the domain, else over the finest level.
-pub(crate) fn integral(solved: &Solved) -> f64 {
-    let facts = solved.problem.levels().facts();
-    let integral = solved.truth().map_or(facts.integral, |found| found.integral);
-    facts.without_rounding(integral)
 }
 
 /// Way to an accuracy on meshes, if that is how the answer was found.

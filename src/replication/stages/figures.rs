@@ -18,6 +18,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::identify::Findings;
+use signorini_mathematics::problem::text::percent;
 use signorini_mathematics::solvers::{SaddleSettings, true_solution};
 
 /// Kind of figure.
@@ -291,7 +292,7 @@ fn title_with_bound(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
     let bounds = solve::bounds(scene, &solve::drawn(inputs, scene, scene.first_rule())?);
     let relative = bounds.as_ref().map(Bounds::relative).filter(|&error| error < 1.0);
     Ok(match relative.filter(|_| !title.is_empty()) {
-        Some(error) => format!("{title}\nerror at most {}", solve::percent(error)),
+        Some(error) => format!("{title}\nerror at most {}", percent(error, 3)),
         None => title,
     })
 }

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::{Accuracy, Bounds};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::levels::Problem;
-use signorini_mathematics::problem::text::{interval, plain};
+use signorini_mathematics::problem::text::percent;
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, StopRule};
 use signorini_mathematics::solvers::{Memory, ReachEnd, Solved, Tried, Watcher};
 use signorini_mathematics::statement::{Fineness, Statement};
@@ -245,7 +245,7 @@ pub(super) fn state(
         (Some(end), _) => end,
         // The solver stops where its error is that of the grid.
         (None, Some(Accuracy::Error(wanted))) => {
-            format!("with an error of at most {}", percent(wanted))
+            format!("with an error of at most {}", percent(wanted, 3))
         }
         (None, _) => "the solution".into(),
     })
@@ -264,37 +264,14 @@ pub(super) fn warnings_in_words(scene: &Scene, numbers: &Numbers) -> String {
 /// Returns the warnings and the guaranteed bounds of a scene in sentences with a space behind them; nothing if it has
 /// none.
 pub(super) fn bounds_in_words(scene: &Scene, numbers: &Numbers) -> String {
-    let warnings = warnings_in_words(scene, numbers);
-    let Some(bounds) = bounds(scene, numbers) else { return warnings };
-    let [_, most] = bounds.error;
-    let mut reserves = String::from("Guaranteed");
-    for reserve in numbers.reserve.iter().flat_map(|names| names.split(' ')) {
-        reserves += match reserve {
-            "polygon" => ", on the polygon or polyhedron of the mesh",
-            _ => ", but for the quadrature of f",
-        };
-    }
-    let relative = match bounds.relative() {
-        part if part < 1.0 => format!(", {} of the solution", percent(part)),
-        _ => String::new(),
-    };
-    format!(
-        "{warnings}{reserves}: true energy in {}, error in the energy norm at most {}{relative}. ",
-        interval(bounds.energy),
-        plain(most, 4)
-    )
+    let guarantee = numbers.guarantee().filter(|_| scene.runs.is_none());
+    let sentence = guarantee.map(|of| format!("Guaranteed{}: {}. ", of.but, of.parts.join(", ")));
+    warnings_in_words(scene, numbers) + &sentence.unwrap_or_default()
 }
 
 /// Guaranteed bounds that a picture of a scene has; none under a rule, which stops where it says.
 pub(super) fn bounds(scene: &Scene, numbers: &Numbers) -> Option<Bounds> {
     numbers.bounds().filter(|_| scene.runs.is_none())
-}
-
-/// Returns a part of one as a percentage, as `solve` writes it.
-pub(super) fn percent(part: f64) -> String {
-    let text = plain(100.0 * part, 3);
-    let text = text.strip_suffix(".00").unwrap_or(&text);
-    format!("{text} %")
 }
 
 /// Returns the name, in a picture, of the solve of a scene under a rule with the r that is drawn.

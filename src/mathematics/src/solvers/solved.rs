@@ -192,12 +192,15 @@ impl Solved {
     }
 
     /// Arcs in contact on the boundary of a domain in the plane, with ends estimated within the cell unless the
-    /// solution is the true one; none in space.
+    /// solution is the true one; none in space. A force that is a sum of rounding errors is zero.
     pub fn contact(&self) -> Option<Vec<ContactArc>> {
-        match &self.found {
-            FoundSolution::Vector(Run { y, judgement, .. }) => self.problem.arcs(y, judgement),
-            FoundSolution::Truth(found) => Some(found.contact.clone()),
-        }
+        let mut arcs = match &self.found {
+            FoundSolution::Vector(Run { y, judgement, .. }) => self.problem.arcs(y, judgement)?,
+            FoundSolution::Truth(found) => found.contact.clone(),
+        };
+        let facts = self.problem.levels().facts();
+        arcs.iter_mut().for_each(|arc| arc.force = facts.without_rounding(arc.force));
+        Some(arcs)
     }
 
     /// Length of the boundary in contact, that of the arcs of [`Solved::contact`]; in space the area of the nodes in
@@ -219,6 +222,12 @@ impl Solved {
             FoundSolution::Truth(found) => found.force,
         };
         self.problem.levels().facts().without_rounding(force)
+    }
+
+    /// Integral of f: of a true solution over the domain, else over the finest level. A sum of rounding errors is zero.
+    pub fn integral(&self) -> f64 {
+        let facts = self.problem.levels().facts();
+        facts.without_rounding(self.truth().map_or(facts.integral, |found| found.integral))
     }
 
     /// Errors of v on the finest level; none if the solution is not known.
