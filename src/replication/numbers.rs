@@ -3,7 +3,7 @@
 use crate::replication::columns::{END, STOP};
 use crate::replication::record::Record;
 use crate::replication::record::advice::Warning;
-use crate::replication::record::details::details;
+use crate::replication::record::details::{details, settings};
 use crate::replication::record::levels::LevelNumbers;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -123,14 +123,12 @@ impl Numbers {
         let bounds = self.bounds()?;
         let in_space = self.details.get("dimension").is_some_and(|number| *number == 3);
         let domain = if in_space { "polyhedron" } else { "polygon" };
-        let is_left_out =
-            |what: Reserve| self.reserve.as_ref().is_some_and(|of| of.contains(what.name()));
         let mut but = String::new();
-        if is_left_out(Reserve::Polygon) {
-            but += &format!(", on the {domain}");
-        }
-        if is_left_out(Reserve::Quadrature) {
-            but += ", but for the quadrature of f";
+        for reserve in self.reserve.iter().flat_map(|names| names.split(' ')) {
+            but += &match reserve == Reserve::Polygon.name() {
+                true => format!(", on the {domain}"),
+                false => ", but for the quadrature of f".into(),
+            };
         }
         let [least, most] = bounds.error;
         let range = match least > 0.0 {
@@ -179,6 +177,17 @@ impl Numbers {
         }
     }
 
+    /// Answer to a statement in JSON: all columns, all details, and the settings with which it was found on levels.
+    pub(crate) fn answer(&self, statement: &Statement) -> Map<String, Value> {
+        let mut answer = self.json();
+        if answer.contains_key("unknowns") {
+            let settings = settings(statement).into_iter();
+            let settings: Map<_, _> = settings.map(|(name, of)| (name.to_owned(), of)).collect();
+            answer.insert("settings".into(), settings.into());
+        }
+        answer
+    }
+
     /// Values in some columns, null where there is none.
     pub(crate) fn values<'a>(&self, columns: &[&'a str]) -> Vec<(&'a str, Value)> {
         let mut all = self.json();
@@ -197,7 +206,7 @@ impl Numbers {
 
 /// Guaranteed bounds in words.
 pub(crate) struct Guarantee {
-    /// What they leave out; empty if nothing.
+    /// Approximations that they leave out; empty if there are none.
     pub(crate) but: String,
     /// Bracket of the energy, bound of the error, and on a curved domain the energy beside it.
     pub(crate) parts: Vec<String>,

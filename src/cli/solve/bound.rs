@@ -6,8 +6,8 @@ use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::problem::text::{plain, shared};
 use signorini_mathematics::solvers::Solved;
 
-/// Returns the bounds of an answer as text, with that of the recovered solution if it is `recovered`; a warning says why
-/// there are none.
+/// Returns the bounds of an answer as text, with that of the recovered solution if it is `recovered`; a warning says
+/// why there are none.
 pub(super) fn text(numbers: &Numbers, recovered: bool) -> String {
     let Some((bounds, guarantee)) = numbers.bounds().zip(numbers.guarantee()) else {
         return String::new();
@@ -21,8 +21,8 @@ pub(super) fn text(numbers: &Numbers, recovered: bool) -> String {
     format!("guaranteed{}:{line} {}\n", guarantee.but, parts.join(",\n  "))
 }
 
-/// Returns, as text, the arcs at zero, and the total flux beside minus the integral of f, which are equal at the solution
-/// unless a part is fixed.
+/// Returns, as text, the arcs at zero, and the total flux beside minus the integral of f, which are equal at the
+/// solution unless a part is fixed.
 pub(super) fn boundary(solved: &Solved, digits: usize) -> String {
     let (problem, law) = (&solved.problem, solved.problem.law());
     let [holds, total] = match law.is_signorini() {

@@ -227,8 +227,9 @@ fn checked_csv(path: &Path) -> Result<OutputFile> {
 /// are also beside the rest.
 fn lines(Asked { study, scene_name, .. }: &Asked, solved: &[Numbers]) -> String {
     let mut text = String::new();
-    for ((member, numbers), mut line) in study.members.iter().zip(solved).zip(study.rows(solved)) {
-        line.extend(numbers.details.clone());
+    for ((member, numbers), row) in study.members.iter().zip(solved).zip(study.rows(solved)) {
+        let mut line = numbers.answer(&member.statement);
+        line.extend(row);
         let values = study.values(member).map(|value| value.json());
         let varied: Map<String, Value> = study.names.iter().cloned().zip(values).collect();
         line.insert("varied".into(), varied.into());
@@ -242,16 +243,15 @@ fn lines(Asked { study, scene_name, .. }: &Asked, solved: &[Numbers]) -> String 
 
 /// Returns the table with the digits that are read, and what is asked for first on the left.
 fn for_people(study: &Study, solved: &[Numbers]) -> Table {
-    let shown = ["energy", "error", "contact", "force", "v from", "to", "nodes"];
+    let columns = ["energy", "error", "contact", "force", "v from", "to", "nodes"];
     let marks = study.marks(solved);
-    let head = study.names.iter().map(String::as_str).chain(shown).chain(marks.iter().copied());
+    let head = study.names.iter().map(String::as_str).chain(columns).chain(marks.iter().copied());
     let mut table = Table::new(head, &[]);
     for (member, of) in study.members.iter().zip(solved) {
-        let text = |number: Option<f64>, digits| number.map_or(String::new(), |x| plain(x, digits));
         let mut row: Vec<String> = study.values(member).map(|value| value.to_string()).collect();
-        row.push(text(of.energy, 7));
+        row.push(shown(of.energy, 7));
         row.push(of.error_relative.map_or(String::new(), |error| percent(error, 3)));
-        row.extend([of.contact_length, of.force, of.v_least, of.v_greatest].map(|x| text(x, 4)));
+        row.extend([of.contact_length, of.force, of.v_least, of.v_greatest].map(|x| shown(x, 4)));
         row.push(of.nodes.map_or(String::new(), |nodes| nodes.to_string()));
         for &mark in &marks {
             row.push(match mark {
@@ -262,4 +262,9 @@ fn for_people(study: &Study, solved: &[Numbers]) -> Table {
         table.rows.push(row);
     }
     table.with_columns(|_| true)
+}
+
+/// Returns a number with these digits; nothing where there is none.
+fn shown(number: Option<f64>, digits: usize) -> String {
+    number.map_or(String::new(), |number| plain(number, digits))
 }

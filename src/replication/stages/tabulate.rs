@@ -204,11 +204,11 @@ fn without_ends(table: &Table) -> (Table, String) {
 
 /// Computed row of a table, from a solve with this r.
 pub(super) fn row(r: f64, levels: &[LevelNumbers]) -> Row {
-    let is_capped = |level: &LevelNumbers| level.own_stop == Some(Stop::IterationLimit);
+    let own_stops = levels.iter().map(|level| level.own_stop);
     Row {
         r,
         counts: levels.iter().map(|level| level.iterations).collect(),
-        capped: levels.iter().map(is_capped).collect(),
+        capped: own_stops.map(|stop| stop == Some(Stop::IterationLimit)).collect(),
         delta_a: levels.last().and_then(|finest| finest.delta_a).unwrap_or(f64::NAN),
     }
 }

@@ -115,6 +115,11 @@ impl Solved {
         }
     }
 
+    /// Way to an accuracy on meshes, if that is how the solution was found.
+    pub fn way(&self) -> Option<&Reached> {
+        self.reached.as_ref().filter(|reached| reached.marks.is_some())
+    }
+
     /// Run of a solver on levels; none of a true solution.
     pub fn run(&self) -> Option<&Run> {
         match &self.found {
