@@ -1,6 +1,6 @@
 //! Numbers of a solution: a row of the table of a study.
 
-use crate::replication::columns::{END, STOP};
+use crate::replication::columns::{END, STOP, shown};
 use crate::replication::record::Record;
 use crate::replication::record::advice::Warning;
 use crate::replication::record::details::{details, settings};
@@ -32,6 +32,8 @@ pub(crate) struct Numbers {
     pub(crate) v_greatest: Option<f64>,
     /// Length of the boundary in contact, with ends within the cell; in space the area of the nodes in contact.
     pub(crate) contact_length: Option<f64>,
+    /// Distance within which the length of a true solution lies, as estimated.
+    pub(crate) contact_length_error: Option<f64>,
     /// Contact force: the flux through the boundary where the law holds.
     pub(crate) force: Option<f64>,
     pub(crate) nodes: Option<usize>,
@@ -84,6 +86,7 @@ impl Numbers {
             v_least: last.map(|last| last.range[0]),
             v_greatest: last.map(|last| last.range[1]),
             contact_length: Some(solved.contact_length()),
+            contact_length_error: solved.contact_length_error(),
             force: Some(solved.force()),
             nodes: last.map(|last| last.nodes),
             iterations: last.map(|last| last.end.iterations).or(truth.map(|found| found.steps)),
@@ -118,13 +121,33 @@ impl Numbers {
         Bounds::deserialize(self.details.get("bound")?).ok()
     }
 
+    /// True if the energy is that of the true solution, or the number of its bracket that is nearest to that of v.
+    pub(crate) fn has_true_energy(&self) -> bool {
+        self.solver == Solver::Spectral.to_string()
+            || self.details.contains_key("energy_of_linear_v")
+    }
+
+    /// The energy with so many digits, a true one with those of them that are known; nothing without one.
+    pub(crate) fn shown_energy(&self, digits: usize) -> String {
+        self.shown([("energy", digits)]).concat()
+    }
+
+    /// The numbers in columns, each with so many digits, those of a true solution with those of them that are known;
+    /// nothing where there is none.
+    pub(crate) fn shown<const N: usize>(&self, columns: [(&str, usize); N]) -> [String; N] {
+        let (all, is_true) = (self.json(), self.has_true_energy());
+        columns.map(|column| {
+            shown(column, is_true, |name| all.get(name)?.as_f64()).unwrap_or_default()
+        })
+    }
+
     /// Guaranteed bounds in words; none where there are none.
     pub(crate) fn guarantee(&self) -> Option<Guarantee> {
         let bounds = self.bounds()?;
         let in_space = self.details.get("dimension").is_some_and(|number| *number == 3);
         let domain = if in_space { "polyhedron" } else { "polygon" };
         let mut but = String::new();
-        for reserve in self.reserve.iter().flat_map(|names| names.split(' ')) {
+        for reserve in self.reserve.iter().flat_map(|names| names.rsplit(' ')) {
             but += &match reserve == Reserve::Polygon.name() {
                 true => format!(", on the {domain}"),
                 false => ", but for the quadrature of f".into(),

@@ -64,13 +64,13 @@ impl Answer {
 
     /// Returns the energy that answers and, if it is another, that of v.
     fn energy_in_words(&self, request: &Request, run: &Run) -> String {
+        let of_v = run.last().energy;
         let digits = match request.statement.accuracy() {
-            Some(Accuracy::Energy(wanted)) => DIGITS.max(2 + (-libm::log10(wanted)) as usize),
+            Some(Accuracy::Energy(_)) => 16,
             _ => DIGITS,
         };
-        let (energy, of_v) = (self.solved.energy(), run.last().energy);
-        let mut text = format!("energy {}\n", plain(energy, digits));
-        if energy != of_v {
+        let mut text = format!("energy {}\n", self.numbers.shown_energy(digits));
+        if self.solved.energy() != of_v {
             text += &format!("energy of the linear v {}\n", plain(of_v, DIGITS));
         }
         text
@@ -154,7 +154,7 @@ impl Answer {
             };
         }
         text.push('\n');
-        text += &bound::boundary(&self.solved, 6);
+        text += &bound::boundary(&self.solved);
         if load_misses(problem, last) {
             let minus_sum = plain(0.0 - last.sum_load, 6);
             text += &format!("minus the sum of the load {minus_sum}\n");

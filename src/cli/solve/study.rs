@@ -24,7 +24,7 @@ use crate::timing::machine;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
-use signorini_mathematics::problem::text::{percent, plain};
+use signorini_mathematics::problem::text::percent;
 use signorini_mathematics::solvers::Memory;
 use signorini_mathematics::statement::Statement;
 use std::collections::BTreeSet;
@@ -249,9 +249,10 @@ fn for_people(study: &Study, solved: &[Numbers]) -> Table {
     let mut table = Table::new(head, &[]);
     for (member, of) in study.members.iter().zip(solved) {
         let mut row: Vec<String> = study.values(member).map(|value| value.to_string()).collect();
-        row.push(shown(of.energy, 7));
+        let digits = [("contact_length", 4), ("force", 4), ("v_least", 4), ("v_greatest", 4)];
+        row.push(of.shown_energy(7));
         row.push(of.error_relative.map_or(String::new(), |error| percent(error, 3)));
-        row.extend([of.contact_length, of.force, of.v_least, of.v_greatest].map(|x| shown(x, 4)));
+        row.extend(of.shown(digits));
         row.push(of.nodes.map_or(String::new(), |nodes| nodes.to_string()));
         for &mark in &marks {
             row.push(match mark {
@@ -262,9 +263,4 @@ fn for_people(study: &Study, solved: &[Numbers]) -> Table {
         table.rows.push(row);
     }
     table.with_columns(|_| true)
-}
-
-/// Returns a number with these digits; nothing where there is none.
-fn shown(number: Option<f64>, digits: usize) -> String {
-    number.map_or(String::new(), |number| plain(number, digits))
 }
