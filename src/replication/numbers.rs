@@ -30,6 +30,8 @@ pub(crate) struct Numbers {
     v_greatest: Option<f64>,
     /// Length of the boundary in contact, with ends within the cell; in space the area of the nodes in contact.
     contact_length: Option<f64>,
+    /// Distance within which the length of a true solution lies, as estimated.
+    contact_length_error: Option<f64>,
     /// Contact force: the flux through the boundary where the law holds.
     force: Option<f64>,
     nodes: Option<usize>,
@@ -83,6 +85,7 @@ impl Numbers {
             v_least: last.map(|last| last.range[0]),
             v_greatest: last.map(|last| last.range[1]),
             contact_length: Some(solved.contact_length()),
+            contact_length_error: solved.contact_length_error(),
             force: Some(solved.force()),
             nodes: last.map(|last| last.nodes),
             iterations: last.map(|last| last.end.iterations).or(truth.map(|found| found.steps)),
@@ -124,6 +127,12 @@ impl Numbers {
     /// Reason for which there is no solution.
     pub(crate) fn reason(&self) -> Option<&str> {
         self.reason.as_deref()
+    }
+
+    /// True if the energy is that of the true solution, or the number of its bracket that is nearest to that of v.
+    pub(crate) fn has_true_energy(&self) -> bool {
+        self.solver == Solver::Spectral.to_string()
+            || self.details.contains_key("energy_of_linear_v")
     }
 
     /// Number in a column; none if the column has texts, or the solution has no such number.

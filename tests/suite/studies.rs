@@ -27,7 +27,7 @@ fn four() -> Project {
 /// Rows of the table of a study in CSV, each with its cells by column.
 fn rows(project: &Project, file: &str) -> Vec<Value> {
     let text = fs::read_to_string(project.path(file)).unwrap();
-    let mut lines = text.lines().map(|line| line.splitn(24, ',').map(str::to_owned));
+    let mut lines = text.lines().map(|line| line.splitn(25, ',').map(str::to_owned));
     let head: Vec<String> = lines.next().unwrap().collect();
     let rows = lines.map(|cells| head.iter().cloned().zip(cells.map(Value::from)).collect());
     rows.collect()

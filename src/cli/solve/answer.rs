@@ -17,7 +17,7 @@ use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::discrete::kkt::StateCounts;
 use signorini_mathematics::mesh::PointValue;
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::problem::text::{Written, plain};
+use signorini_mathematics::problem::text::{Written, known, plain};
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{Reached, Run, Solved, Solver};
 
@@ -67,13 +67,14 @@ impl Answer {
 
     /// Returns the energy that answers and, if it is another, that of v.
     fn energy_in_words(&self, request: &Request) -> String {
-        let digits = match request.statement.accuracy() {
-            Some(Accuracy::Energy(wanted)) => DIGITS.max(2 + (-libm::log10(wanted)) as usize),
-            _ => DIGITS,
-        };
         let (energy, of_v) =
             (details::answering_energy(&request.statement, &self.solved), self.solved.energy());
-        let mut text = format!("energy {}\n", plain(energy, digits));
+        let bracket = self.solved.bounds().last().and_then(|bounds| bounds.as_ref().ok());
+        let (bracket, digits) = match request.statement.accuracy() {
+            Some(Accuracy::Energy(_)) => (bracket.map(|bounds| bounds.energy), 16),
+            _ => (None, DIGITS),
+        };
+        let mut text = format!("energy {}\n", known(energy, bracket, digits));
         if energy != of_v {
             text += &format!("energy of the linear v {}\n", plain(of_v, DIGITS));
         }
@@ -161,12 +162,12 @@ impl Answer {
             };
         }
         text.push('\n');
-        let (words, rounding) = (BoundaryWords::of(law), levels.facts().rounding());
+        let words = BoundaryWords::of(&self.solved);
         for arc in arcs {
             let part = arc.part.clone().filter(|_| parts.is_some());
-            text += &words.arc(&ContactArc { part, ..arc.clone() }, rounding, 6);
+            text += &words.arc(&ContactArc { part, ..arc.clone() });
         }
-        text += &words.force([self.force, 0.0 - integral], rounding, 6);
+        text += &words.force([self.force, 0.0 - integral]);
         if problem.domain(problem.finest()).has_fixed_part() {
             text += "fixed parts carry the difference\n";
         }

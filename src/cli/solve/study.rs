@@ -10,6 +10,7 @@ use crate::cli::output::{OutputFile, in_columns, paragraph, say, tell};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::found;
 use crate::pipeline::{InputFile, InputFiles, bar};
+use crate::replication::columns::shown;
 use crate::replication::fields::member::Member;
 use crate::replication::fields::read::overridden;
 use crate::replication::fields::table::Voice;
@@ -259,11 +260,13 @@ fn for_people(study: &Study, solved: &[Numbers]) -> Table {
     for (member, numbers) in study.members.iter().zip(solved) {
         let mut cells = Vec::new();
         for (column, _, digits) in SHOWN {
-            let number = numbers.number(column);
-            cells.push(number.map_or_else(String::new, |number| match digits {
-                0 => number.to_string(),
-                digits => plain(number, digits),
-            }));
+            cells.push(match digits {
+                0 => numbers.cells(&[column]).concat(),
+                digits => {
+                    shown((column, digits), numbers.has_true_energy(), |name| numbers.number(name))
+                        .unwrap_or_default()
+                }
+            });
         }
         let error = numbers.number("error_relative");
         let error =

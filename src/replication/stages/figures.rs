@@ -267,17 +267,20 @@ fn draw_map(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
     Ok(SolutionMap::of(title_with_end(inputs, scene)?, &problem, &pair)?.picture())
 }
 
-/// Returns, as CSV, the energy of each scene, the bound of its error over the solution, and the share of the boundary
-/// under the law on which v is held at zero.
+/// Returns, as CSV, the energy of each scene with its bracket, the bound of its error over the solution, and the share
+/// of the boundary under the law on which v is held at zero.
 fn numbers(inputs: &Inputs, scenes: &[Scene]) -> Result<String, Failure> {
-    let mut table = "energy,error,held\n".to_owned();
+    let mut table = "energy,energy_lower,energy_upper,error,held\n".to_owned();
     for scene in scenes {
         let rule = scene.first_rule();
         let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
-        let error = outcomes.last_bounds().map_or(String::new(), |of| of.relative().to_string());
+        let bounds = outcomes.last_bounds();
+        let bounds = bounds.map(|of| [of.energy[0], of.energy[1], of.relative()]);
+        let [lower, upper, error] =
+            bounds.map_or_else(Default::default, |all| all.map(|x| x.to_string()));
         let problem = solve::problem(inputs, scene)?;
         let held = solve::held(&problem, &solve::pair(inputs, scene, rule, &problem)?);
-        table += &format!("{},{error},{held}\n", outcomes.energy);
+        table += &format!("{},{lower},{upper},{error},{held}\n", outcomes.energy);
     }
     Ok(table)
 }

@@ -18,7 +18,7 @@ use signorini_mathematics::bounds::{Accuracy, Bounds};
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::levels::{Problem, Reserve};
-use signorini_mathematics::problem::text::{interval, plain};
+use signorini_mathematics::problem::text::{interval, known, plain};
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, StopRule};
 use signorini_mathematics::solvers::{Memory, ReachEnd, Solved, Tried, Watcher};
 use signorini_mathematics::statement::{Fineness, Statement};
@@ -63,9 +63,6 @@ pub(super) struct Outcomes {
     pub(super) iterations: usize,
     /// Energy that answers: on the finest grid, as [`Outcomes::energy_on`] has it, or of the true solution.
     pub(super) energy: f64,
-    /// Width of the bracket of a true solution's energy over the energy; none without a bracket.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(super) accuracy: Option<f64>,
     /// Warnings that `solve` gives.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) warnings: Vec<String>,
@@ -226,7 +223,6 @@ impl Cell {
         };
         if let Some(found) = solved.truth() {
             outcomes.iterations = found.steps;
-            outcomes.accuracy = found.checks.bracket;
         }
         if outcomes.r.is_none() {
             outcomes.bounds = solved.bounds().iter().map(|bounds| bounds.clone().ok()).collect();
@@ -263,6 +259,17 @@ impl Outcomes {
             Some(Some(bounds)) if self.asks_energy => bounds.nearest_energy(of_v),
             _ => of_v,
         }
+    }
+
+    /// True if the energy is that of the true solution, or the number of its bracket that is nearest to that of v.
+    pub(super) fn has_true_energy(&self) -> bool {
+        self.levels.is_empty() || self.asks_energy
+    }
+
+    /// The energy that answers, with so many digits, that of a true solution with those of them that are known.
+    pub(super) fn shown_energy(&self, digits: usize) -> String {
+        let bounds = self.last_bounds().filter(|_| self.has_true_energy());
+        known(self.energy, bounds.map(|bounds| bounds.energy), digits)
     }
 
     /// Guaranteed bounds on the finest level, if there are any.

@@ -3,6 +3,7 @@
 use super::from_json;
 use super::solve::{self, Outcomes};
 use crate::pipeline::{Artifacts, Inputs, Made, Task};
+use crate::replication::columns::shown;
 use crate::replication::comparison::Row;
 use crate::replication::record::Grouped;
 use crate::replication::scene::Scene;
@@ -11,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::problem::text::{interval, plain};
+use signorini_mathematics::problem::text::interval;
 use signorini_mathematics::saddle::StopRule;
 
 /// Folder of the tables in the project.
@@ -75,29 +76,37 @@ pub(super) fn files(name: &str, table: &Table, shown: &Table, note: &str) -> Art
     files.collect()
 }
 
-/// Returns a table with as many digits as are read behind the first columns, which are as they are `given`; a bracket
-/// is rounded outwards.
-pub(super) fn with_few_digits(table: &Table, given: usize) -> Table {
+/// Returns a table with as many digits as are read behind the first columns, which are as they are `given`, and as are
+/// known in rows for whose number `is_true` holds; a bracket is rounded outwards.
+pub(super) fn with_few_digits(
+    table: &Table,
+    given: usize,
+    is_true: impl Fn(usize) -> bool,
+) -> Table {
+    /// Digits of a number that is not whole.
+    const SIX: usize = 6;
     let mut table = table.clone();
-    let bracket = BRACKET.map(|name| table.head.iter().position(|column| column == name));
-    for row in &mut table.rows {
-        let ends = bracket.map(|at| at.and_then(|at| row[at].parse::<f64>().ok()));
-        row[given..].iter_mut().for_each(|cell| *cell = shown(cell));
-        if let ([Some(lower), Some(upper)], [Some(low), Some(high)]) = (bracket, ends) {
+    let head = table.head.clone();
+    for (k, row) in table.rows.iter_mut().enumerate() {
+        let all = row.clone();
+        let number = |name: &str| {
+            let place = head.iter().position(|column| column == name)?;
+            all[place].parse::<f64>().ok().filter(|number| number.is_finite())
+        };
+        for (cell, column) in row.iter_mut().zip(&head).skip(given) {
+            if cell.contains(['.', 'e']) {
+                *cell = shown((column, SIX), is_true(k), number).unwrap_or_else(|| cell.clone());
+            }
+        }
+        if let [Some(low), Some(high)] = BRACKET.map(number) {
             let text = interval([low, high]);
-            let (low, high) = text[1..text.len() - 1].split_once(", ").unwrap_or_default();
-            (row[lower], row[upper]) = (low.into(), high.into());
+            for (name, end) in BRACKET.into_iter().zip(text[1..text.len() - 1].split(", ")) {
+                let columns = row.iter_mut().zip(&head).filter(|(_, column)| *column == name);
+                columns.for_each(|(cell, _)| *cell = end.into());
+            }
         }
     }
     table
-}
-
-/// Returns a number with six digits, unless it is whole, and any other cell as it is.
-fn shown(cell: &str) -> String {
-    match cell.parse::<f64>() {
-        Ok(number) if number.is_finite() && cell.contains(['.', 'e']) => plain(number, 6),
-        _ => cell.to_owned(),
-    }
 }
 
 /// Solves from which a table is made.
@@ -142,12 +151,13 @@ impl Tabulated {
             }
             None => table_of_levels(&first),
         };
+        let few = with_few_digits(&table, 0, |_| first.has_true_energy());
         let (shown, note) = match first.r {
-            None => (table.with_columns(|column| USUAL.contains(&column)), String::new()),
-            Some(_) => without_ends(&table),
+            None => (few.with_columns(|column| USUAL.contains(&column)), String::new()),
+            Some(_) => without_ends(&few),
         };
         let note = note + &self.warnings(inputs)?;
-        Ok(files(&self.name, &table, &with_few_digits(&shown, 0), &note))
+        Ok(files(&self.name, &table, &shown, &note))
     }
 }
 
@@ -328,7 +338,7 @@ mod tests {
             | 1/4 | -0.1234567891 | -0.1234567812 | 0.0123457 | converged |
             | 1/8 |  |  |  | not-solved |
         "]]
-        .assert_eq(&with_few_digits(&table, 0).markdown(in_markdown));
+        .assert_eq(&with_few_digits(&table, 0, |_| true).markdown(in_markdown));
     }
 
     #[test]

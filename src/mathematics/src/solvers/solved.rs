@@ -182,6 +182,13 @@ impl Solved {
         }
     }
 
+    /// Distance within which the length in contact of a true solution lies from [`Solved::contact_length`], as its ends
+    /// estimate it; none of another.
+    pub fn contact_length_error(&self) -> Option<f64> {
+        let errors = self.truth()?.contact.iter().flat_map(|arc| arc.error.unwrap_or_default());
+        Some(errors.fold(0.0, |sum, error| sum + error))
+    }
+
     /// Total contact force; under another law than the paper's the flux through all of the boundary. A sum of rounding
     /// errors is zero.
     pub fn force(&self) -> f64 {

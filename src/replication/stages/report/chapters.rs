@@ -9,6 +9,7 @@ use crate::replication::comparison::TableComparison;
 use crate::replication::fields::described::described;
 use crate::replication::fields::write;
 use crate::replication::identified::IdentifiedRecord;
+use crate::replication::limits::LIMITS;
 use crate::replication::project::{IDENTIFIED, TRUTH};
 use crate::replication::scene::{Output, Scene};
 use crate::replication::stages::diff::{self, DIFF};
@@ -81,6 +82,7 @@ pub(super) fn context(
     context.insert("license", env!("CARGO_PKG_LICENSE"));
     context.insert("timings", &times(&bench::times(inputs)?)?);
     context.insert("fields", &described());
+    context.insert("limits", &LIMITS);
     Ok(context)
 }
 
@@ -241,8 +243,6 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         "is_papers_law": scene.statement.law.is_none(),
         // Share of the boundary under the law on which v is held at zero, of a scene with a map.
         "held": held.transpose()?,
-        // Accuracy of the energy of a true solution, over the energy.
-        "accuracy": outcomes.accuracy.map(f64::abs),
         "f": facts.f,
         // The exact solution in LaTeX, if it is known.
         "exact": exact,
@@ -250,7 +250,7 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         "relative": bounds.map(Bounds::relative).filter(|&error| error < 1.0),
         // The finest level; none for the spectral solver.
         "level": level,
-        "energy": outcomes.energy,
+        "energy": outcomes.shown_energy(5),
     });
     Ok(extended(scene, more))
 }
@@ -276,7 +276,7 @@ fn shown_figures<'a>(inputs: &'a Inputs) -> BTreeMap<&'a str, Value> {
             let table = format!("{name}.csv");
             let data = match made.contains_key(&table) {
                 true => format!("figures/{table}"),
-                false => "data.html".into(),
+                false => "fields.html".into(),
             };
             let [width, height] = ["width", "height"].map(|key| attribute(bytes, key));
             figures.insert(
@@ -291,13 +291,11 @@ fn shown_figures<'a>(inputs: &'a Inputs) -> BTreeMap<&'a str, Value> {
     figures
 }
 
-/// Returns the command that draws a figure: a run of its scene, if it is of one.
-fn command(inputs: &Inputs, figure: &str) -> String {
+/// Returns the command that draws a figure of a scene; none for one that `signorini run` alone draws.
+fn command(inputs: &Inputs, figure: &str) -> Option<String> {
     let mut scenes = inputs.artifacts.keys().filter_map(|task| scene_of(task));
-    let own = figures::scene_of(figure).filter(|own| scenes.any(|scene| scene == *own));
-    own.map_or("signorini run --only figures".into(), |scene| {
-        format!("signorini run {}", in_shell(scene))
-    })
+    let own = figures::scene_of(figure).filter(|own| scenes.any(|scene| scene == *own))?;
+    Some(format!("signorini run {}", in_shell(own)))
 }
 
 /// Returns an attribute of the root of an SVG file that is a number.
