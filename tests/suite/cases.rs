@@ -27,7 +27,9 @@ macro_rules! pages {
     };
 }
 
-pages! { answers, cache, comparison, files, init, names, others, refusals, runs, studies }
+pages! {
+    answers, cache, comparison, f, files, init, meshes, names, others, refusals, runs, studies,
+}
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases")
