@@ -3,7 +3,7 @@
 use super::cells::{CellStretch, EllipseCell, POINTS, Singular, Surroundings, Track};
 use super::exact_energy::BoundedEnergy;
 use super::integrals::Integrals;
-use super::moduli::{Moduli, of_psi};
+use super::moduli::{Moduli, TOUCHES, of_psi};
 use crate::problem::complex::Complex;
 use crate::spectral::geometry::curve::{Arc, ROUNDING};
 use crate::spectral::geometry::rule::gauss;
@@ -26,13 +26,15 @@ impl BoundedEnergy {
                 .min(setup.diameter);
             let top = (0.2 * reach).min(half);
             let near = Surroundings { centre, top, least: LEFT * top, reach };
+            // On the boundary another jump may end at the same point.
+            let is_singular = vertex.is_some() || singular.room(centre, None) < TOUCHES;
             let stretch = CellStretch {
                 track: Track::Curve(curve, from, way),
                 singular: &singular,
                 curvature: curve.curvature,
                 length: half,
                 longest: 0.25 * setup.diameter,
-                near: vertex.map(|_| near),
+                near: is_singular.then_some(near),
             };
             for cell in stretch.cells() {
                 let size = self.add_cell(group, own, [from, way], &cell);
