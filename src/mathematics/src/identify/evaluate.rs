@@ -136,7 +136,7 @@ impl<'a> Evaluator<'a> {
     fn enter_all(&mut self, geometry: usize, level: usize, values: [&[f64]; LANES], row: usize) {
         let (coarser, rest) = self.lanes.split_at_mut(level);
         let lanes = &mut rest[0];
-        let of_piece = |p| V(values.map(|values| values[p]));
+        let of_piece = |p| V::of(values.map(|values| values[p]));
         let values: Vec<_> = (0..values[0].len()).map(of_piece).collect();
         let loads = lanes.enter_all(self.target.r[row]);
         combine(loads, &self.basis[geometry][level], &values);

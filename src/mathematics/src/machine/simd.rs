@@ -192,7 +192,7 @@ mod tests {
             let f = sources().next().expect("one");
             let (load, start) = (load(grid, &f, LoadRule::Bilinear {}), Pair::zero(grid));
             let uzawa = Method::Uzawa { weight: 1.0, inner: 1e-5, loose: false };
-            let mut lanes = Lanes::new(grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
+            let mut lanes: Lanes = Lanes::new(grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
             for lane in 0..LANES {
                 let method = if lane % 2 == 0 { Method::ArrowHurwicz } else { uzawa };
                 let r = 0.3 * (1 + lane * lane * lane) as f64;

@@ -1,5 +1,5 @@
-//! Saddle-point methods for the modified Lagrange functional (7): one loop, over three engines, and one run over nested
-//! grids and networks.
+//! Saddle-point methods for the modified Lagrange functional (7): one loop, over an engine for the square with one run
+//! in each lane and one for networks, and one run over nested grids and networks.
 
 pub mod batch;
 mod engine;
@@ -8,9 +8,7 @@ mod nested;
 mod network;
 mod plain;
 mod solve;
-mod square;
 mod stopping;
-mod sweep;
 
 pub(crate) use engine::{Engine, Goals, RunStart, RunState, run, run_alone};
 pub use method::Method;

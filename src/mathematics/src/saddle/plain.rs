@@ -38,10 +38,19 @@ impl Plain<'_> {
         });
     }
 
-    /// Replaces `a` by `P(a - r y)` (12); returns the largest change of a component, the paper's Delta a.
+    /// Replaces `a` by `P(a - r y)` (12); returns the largest change of a component, the paper's Delta a, NaN if a
+    /// value is no longer finite.
     pub fn dual_step(&self, pair: &mut Pair) -> f64 {
-        let nodes = self.network.contact().iter().map(|contact| contact.node);
-        Duality { law: self.law, r: self.r }.step(nodes, pair)
+        let (mut delta_a, mut finite) = (0.0f64, true);
+        for (a, contact) in pair.a.iter_mut().zip(self.network.contact()) {
+            let next = *a - self.r * pair.y[contact.node];
+            // The projection would hide a NaN.
+            finite &= next.is_finite();
+            let next = self.law.project(next);
+            delta_a = delta_a.max((next - *a).abs());
+            *a = next;
+        }
+        if finite { delta_a } else { f64::NAN }
     }
 
     /// Returns the derivative (8) of M with respect to y at a node; zero at a fixed node.
@@ -69,31 +78,5 @@ impl Plain<'_> {
                 self.law.residual(y[node], gradient, self.network.contact()[b].measure)
             }
         }
-    }
-}
-
-/// Parameters of the boundary term of (7).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Duality {
-    /// Law on the boundary.
-    pub(super) law: Law,
-    /// Duality parameter r > 0.
-    pub(super) r: f64,
-}
-
-impl Duality {
-    /// Replaces `a` by `P(a - r y)` (12), where `nodes` are the contact nodes; returns the largest change, NaN if a
-    /// value is no longer finite.
-    pub(super) fn step(self, nodes: impl Iterator<Item = usize>, pair: &mut Pair) -> f64 {
-        let (mut delta_a, mut finite) = (0.0f64, true);
-        for (a, node) in pair.a.iter_mut().zip(nodes) {
-            let next = *a - self.r * pair.y[node];
-            // The projection would hide a NaN.
-            finite &= next.is_finite();
-            let next = self.law.project(next);
-            delta_a = delta_a.max((next - *a).abs());
-            *a = next;
-        }
-        if finite { delta_a } else { f64::NAN }
     }
 }

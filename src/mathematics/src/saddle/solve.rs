@@ -1,10 +1,10 @@
 //! One run of a method on one grid or network, until its stopping rule is met.
 
 use super::Pair;
+use super::batch::{Lanes, Order};
 use super::engine::{Engine, MeasureBound, RunStart, RunState, run_alone, within};
 use super::method::Method;
 use super::network::OnNetwork;
-use super::square::OnSquare;
 use super::stopping::{GradientMeasure, StopRule};
 use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::end::{End, Outcome};
@@ -99,7 +99,11 @@ pub(crate) fn engine<'a>(
     run: &RunStart<'a>,
 ) -> Box<dyn Engine<1> + 'a> {
     match domain.into() {
-        DiscreteDomain::Grid(grid) => Box::new(OnSquare::new(grid, law, run)),
+        DiscreteDomain::Grid(grid) => {
+            let mut lane = Lanes::<1, f64>::new(grid, law, Order::Lexicographic, 1.0);
+            lane.enter(0, law, run);
+            Box::new(lane)
+        }
         DiscreteDomain::Network(network) => Box::new(OnNetwork::new(network, law, run)),
     }
 }

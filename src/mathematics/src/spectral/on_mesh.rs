@@ -7,7 +7,7 @@ use crate::problem::complex::Complex;
 use crate::problem::exact::{Exact, Known};
 use crate::problem::law::Law;
 use crate::problem::source::Source;
-use crate::problem::text::plain;
+use crate::problem::text::percent;
 use crate::spectral::contact::arcs::PlaneArc;
 use crate::spectral::contact::start::DiscreteStart;
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneError, PlaneSide, SidePlace};
@@ -128,8 +128,7 @@ impl PlaneTruth {
 
     /// Bounds of the energy, or the step of their proof that does not apply.
     pub(crate) fn bracket(&self) -> Result<[f64; 2], &'static str> {
-        let PlaneBracket { lower, upper, .. } = self.solution.bracket?;
-        Ok([lower, upper].map(|end| self.height * self.height * end))
+        Ok(self.solution.bracket?.ends().map(|end| self.height * self.height * end))
     }
 
     /// Integral of dv/dn over the boundary where the law holds.
@@ -140,6 +139,11 @@ impl PlaneTruth {
     /// Integral of f over the domain.
     pub(crate) fn integral(&self) -> f64 {
         self.height * self.solution.integral
+    }
+
+    /// Size of the integral of dv/dn over the boundary plus that of f.
+    pub(crate) fn unbalanced(&self) -> f64 {
+        self.height * self.solution.unbalanced
     }
 
     /// Number of real unknowns.
@@ -161,12 +165,12 @@ impl PlaneTruth {
     pub(crate) fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         if let Ok(bracket) = self.solution.bracket {
-            let relative = bracket.relative(self.solution.energy);
+            let relative = bracket.relative();
             if relative > WIDE && self.solution.energy != 0.0 {
                 let PlaneBracket { cause, .. } = bracket;
-                let share = plain(100.0 * relative, 2);
+                let share = percent(relative, 2);
                 notes.push(format!(
-                    "the bounds of the energy are {share} % of it apart: mostly {cause}"
+                    "the bounds of the energy are {share} of it apart: mostly {cause}"
                 ));
             }
         }

@@ -40,9 +40,8 @@ fn problems_with_an_accuracy_are_read_on_the_levels_that_reached_it() {
     for text in ACCURATE {
         with_solved(text, |inputs, scene| {
             let problem = problem(inputs, scene).unwrap();
-            let outcomes = drawn_outcomes(inputs, scene, None).unwrap();
             let [nodes, _] = problem.lengths();
-            assert_eq!(nodes, outcomes.levels.last().unwrap().nodes);
+            assert_eq!(drawn(inputs, scene, None).unwrap().nodes, Some(nodes));
             assert_eq!(pair(inputs, scene, None, &problem).unwrap().y.len(), nodes);
         });
     }
@@ -56,4 +55,14 @@ fn an_interrupt_ends_the_way_to_an_accuracy_between_grids_and_between_meshes() {
         let run = cell(&scene, None).run(&InputFiles::new(), &interrupted);
         assert!(matches!(run.err(), Some(Error::Interrupted)));
     }
+}
+
+#[test]
+fn a_caption_has_those_digits_of_a_true_energy_that_both_ends_of_its_bracket_share() {
+    let text = "title = 't'\ndomain = 'lshape'\nf = 'halfplane(1,0.3,-1.2999999999)=4000; else=-3'\n\
+        solver = 'spectral'\noutputs = ['table']\n";
+    let scene = Scene::parse("t", text).unwrap();
+    let made = cell(&scene, None).artifacts(&InputFiles::new(), &AtomicBool::new(false)).unwrap();
+    let numbers: Numbers = serde_json::from_slice(&made[NUMBERS]).unwrap();
+    assert_eq!([16, 3].map(|digits| numbers.shown_energy(digits)), ["-0.96334", "-0.963"]);
 }

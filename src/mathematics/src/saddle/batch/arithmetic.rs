@@ -3,30 +3,48 @@
 use super::LANES;
 use crate::problem::law::Law;
 use std::array::from_fn;
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Div, Mul, Sub};
 
-/// A number per lane.
-#[derive(Clone, Copy, Default)]
+/// A number per lane, aligned as `L` is.
+#[derive(Clone, Copy)]
+pub(crate) struct V<const K: usize = LANES, L = Line>(pub [f64; K], [L; 0]);
+
+/// Alignment of the numbers of [`LANES`] lanes: with one load each.
+#[derive(Clone, Copy)]
 #[repr(align(64))]
-pub(crate) struct V(pub [f64; LANES]);
+pub(crate) struct Line;
 
-impl Add for V {
+impl<const K: usize, L: Copy> Default for V<K, L> {
+    fn default() -> Self {
+        Self::of([0.0; K])
+    }
+}
+
+impl<const K: usize, L: Copy> Add for V<K, L> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self(from_fn(|l| self.0[l] + other.0[l]))
+        Self::of(from_fn(|l| self.0[l] + other.0[l]))
     }
 }
 
-impl Mul for V {
+impl<const K: usize, L: Copy> Div for V<K, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        Self::of(from_fn(|l| self.0[l] / other.0[l]))
+    }
+}
+
+impl<const K: usize, L: Copy> Mul for V<K, L> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        Self(from_fn(|l| self.0[l] * other.0[l]))
+        Self::of(from_fn(|l| self.0[l] * other.0[l]))
     }
 }
 
-impl Mul<f64> for V {
+impl<const K: usize, L: Copy> Mul<f64> for V<K, L> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, factor: f64) -> Self {
@@ -34,49 +52,54 @@ impl Mul<f64> for V {
     }
 }
 
-impl Sub for V {
+impl<const K: usize, L: Copy> Sub for V<K, L> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Self(from_fn(|l| self.0[l] - other.0[l]))
+        Self::of(from_fn(|l| self.0[l] - other.0[l]))
     }
 }
 
-impl V {
+impl<const K: usize, L: Copy> V<K, L> {
+    #[inline(always)]
+    pub(crate) fn of(numbers: [f64; K]) -> Self {
+        Self(numbers, [])
+    }
+
     #[inline(always)]
     pub(super) fn all(value: f64) -> Self {
-        Self([value; LANES])
+        Self::of([value; K])
     }
 
     /// The absolute values.
     #[inline(always)]
     pub(super) fn abs(self) -> Self {
-        Self(self.0.map(f64::abs))
+        Self::of(self.0.map(f64::abs))
     }
 
     /// In each lane, the greater of two numbers; the other one where this is NaN.
     #[inline(always)]
     pub(super) fn greatest(self, other: Self) -> Self {
-        Self(from_fn(|l| if self.0[l] > other.0[l] { self.0[l] } else { other.0[l] }))
+        Self::of(from_fn(|l| if self.0[l] > other.0[l] { self.0[l] } else { other.0[l] }))
     }
 }
 
 /// A law per lane.
 #[derive(Clone)]
-pub(super) struct LaneLaws {
-    laws: [Law; LANES],
+pub(super) struct LaneLaws<const K: usize, L> {
+    laws: [Law; K],
     /// Ends of the intervals.
-    pub(super) lo: V,
-    pub(super) hi: V,
+    pub(super) lo: V<K, L>,
+    pub(super) hi: V<K, L>,
     /// True if a lane's interval has an upper end.
     pub(super) has_upper: bool,
 }
 
-impl LaneLaws {
+impl<const K: usize, L: Copy> LaneLaws<K, L> {
     /// The same law in all lanes.
     pub(super) fn all(law: Law) -> Self {
         let (lo, hi) = (V::all(law.lo()), V::all(law.hi()));
-        Self { laws: [law; LANES], lo, hi, has_upper: law.hi().is_finite() }
+        Self { laws: [law; K], lo, hi, has_upper: law.hi().is_finite() }
     }
 
     /// Sets the law of a lane.
@@ -88,9 +111,9 @@ impl LaneLaws {
 
     /// In each lane, the point of the law's interval next to a flux, as [`Law::project`].
     #[inline(always)]
-    pub(super) fn project(&self, flux: V) -> V {
+    pub(super) fn project(&self, flux: V<K, L>) -> V<K, L> {
         let (lo, hi) = (self.lo, self.hi);
-        V(from_fn(|l| {
+        V::of(from_fn(|l| {
             let above = if flux.0[l] > lo.0[l] { flux.0[l] } else { lo.0[l] };
             if above < hi.0[l] { above } else { hi.0[l] }
         }))
@@ -98,34 +121,33 @@ impl LaneLaws {
 
     /// In each lane, [`Law::residual`].
     #[inline(always)]
-    pub(super) fn residual(&self, y: V, gradient: V, measure: f64) -> V {
-        V(from_fn(|l| self.laws[l].residual(y.0[l], gradient.0[l], measure)))
+    pub(super) fn residual(&self, y: V<K, L>, gradient: V<K, L>, measure: f64) -> V<K, L> {
+        V::of(from_fn(|l| self.laws[l].residual(y.0[l], gradient.0[l], measure)))
     }
 
     /// In each lane, [`Law::relax`] on a row with this diagonal entry, by which `divided` divides.
     #[inline(always)]
     pub(super) fn relax(
         &self,
-        [sum, a, r]: [V; 3],
-        diagonal: V,
+        [sum, a, r]: [V<K, L>; 3],
+        diagonal: V<K, L>,
         measure: f64,
-        divided: impl Fn(V) -> V,
-    ) -> V {
+        divided: impl Fn(V<K, L>) -> V<K, L>,
+    ) -> V<K, L> {
         let (lo, hi) = (self.lo, self.hi);
         let up = divided(sum + lo * measure);
-        let least = V(from_fn(|l| (a.0[l] - lo.0[l]) / r.0[l]));
-        let slips_up: [bool; LANES] = from_fn(|l| up.0[l] >= least.0[l]);
+        let least = (a - lo) / r;
+        let slips_up: [bool; K] = from_fn(|l| up.0[l] >= least.0[l]);
         if slips_up.iter().all(|slips| *slips) {
             return up;
         }
-        let mut other =
-            V(from_fn(|l| (sum.0[l] + measure * a.0[l]) / (diagonal.0[l] + measure * r.0[l])));
+        let mut other = (sum + a * measure) / (diagonal + r * measure);
         // Without an upper end nothing slips down, and a division for each node is saved.
         if self.has_upper {
             let down = divided(sum + hi * measure);
-            let most = V(from_fn(|l| (a.0[l] - hi.0[l]) / r.0[l]));
-            other = V(from_fn(|l| if down.0[l] <= most.0[l] { down.0[l] } else { other.0[l] }));
+            let most = (a - hi) / r;
+            other = V::of(from_fn(|l| if down.0[l] <= most.0[l] { down.0[l] } else { other.0[l] }));
         }
-        V(from_fn(|l| if slips_up[l] { up.0[l] } else { other.0[l] }))
+        V::of(from_fn(|l| if slips_up[l] { up.0[l] } else { other.0[l] }))
     }
 }

@@ -1,7 +1,7 @@
 //! The iterates of several runs on one grid, node by node with a number per run.
 
 use super::LANES;
-use super::arithmetic::{LaneLaws, V};
+use super::arithmetic::{LaneLaws, Line, V};
 use crate::discrete::grid::Grid;
 use crate::discrete::network::Network;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
@@ -39,31 +39,31 @@ pub(super) struct LaneEdge {
 impl LaneEdge {
     /// Values of the neighbours times their weights.
     #[inline(always)]
-    pub(super) fn terms(&self, y: &[V]) -> [V; 3] {
+    pub(super) fn terms<const K: usize, L: Copy>(&self, y: &[V<K, L>]) -> [V<K, L>; 3] {
         from_fn(|k| y[self.around[k] as usize] * self.weights[k])
     }
 }
 
 /// The iterates of all lanes.
 #[derive(Clone)]
-pub(crate) struct Lanes {
+pub(crate) struct Lanes<const K: usize = LANES, L = Line> {
     pub(super) grid: Grid,
-    pub(super) laws: LaneLaws,
+    pub(super) laws: LaneLaws<K, L>,
     order: Order,
     /// Weight of the multiplier in (7), h, and its weight at the corners.
     pub(super) weights: [f64; 2],
-    pub(super) r: V,
+    pub(super) r: V<K, L>,
     /// The proximal term's share of an interior node.
-    pub(super) shift: V,
+    pub(super) shift: V<K, L>,
     /// Diagonals of edge and corner rows, each with its inverse, and the inverse inside.
-    edge: [V; 2],
-    corner: [V; 2],
-    centre: V,
-    pub(super) y: Vec<V>,
-    pub(super) a: Vec<V>,
+    edge: [V<K, L>; 2],
+    corner: [V<K, L>; 2],
+    centre: V<K, L>,
+    pub(super) y: Vec<V<K, L>>,
+    pub(super) a: Vec<V<K, L>>,
     /// F, and with the proximal term.
-    pub(super) load: Vec<V>,
-    pub(super) target: Vec<V>,
+    pub(super) load: Vec<V<K, L>>,
+    pub(super) target: Vec<V<K, L>>,
     /// In the order of rows.
     pub(super) edges: Arc<[LaneEdge]>,
     /// Place in `edges` of the boundary node in column `i` and row `j`, by `j * side + i`.
@@ -71,20 +71,24 @@ pub(crate) struct Lanes {
     pub(super) regularised: bool,
     /// In each lane, the node that last broke a bound, the likeliest to break the next: on a measure of the outer
     /// problem, and on that of the inner one.
-    pub(super) witnesses: [[usize; LANES]; 2],
+    pub(super) witnesses: [[usize; K]; 2],
 }
 
 /// No boundary node.
 const INSIDE: u32 = u32::MAX;
 
-/// (9) at an interior node: `centre` times the sum of the terms.
+/// (9) at an interior node: `centre` times the sum of load and neighbours. The order of the terms is part of the
+/// definition: results are compared bit by bit.
 #[inline(always)]
-fn relaxed(centre: V, terms: [V; 5]) -> V {
-    let [load, east, north, south, west] = terms;
+fn relaxed<const K: usize, L: Copy>(
+    centre: V<K, L>,
+    load: V<K, L>,
+    [east, north, south, west]: [V<K, L>; 4],
+) -> V<K, L> {
     centre * ((((load + east) + north) + south) + west)
 }
 
-impl Lanes {
+impl<const K: usize, L: Copy> Lanes<K, L> {
     /// All lanes at zero, under one law, swept in this order, with the multiplier's weight at corners in units of h.
     pub(crate) fn new(grid: Grid, law: Law, order: Order, corner_weight: f64) -> Self {
         let n = grid.cells();
@@ -119,7 +123,7 @@ impl Lanes {
             edges: edges.into(),
             edge_at: edge_at.into(),
             regularised: false,
-            witnesses: [[0; LANES]; 2],
+            witnesses: [[0; K]; 2],
         }
     }
 
@@ -157,7 +161,7 @@ impl Lanes {
     ///
     /// # Panics
     /// If r is not positive, or a run before had a proximal term.
-    pub(crate) fn enter_all(&mut self, r: f64) -> &mut [V] {
+    pub(crate) fn enter_all(&mut self, r: f64) -> &mut [V<K, L>] {
         assert!(r > 0.0 && !self.regularised);
         self.y.fill(V::all(0.0));
         self.a.fill(V::all(0.0));
@@ -197,74 +201,95 @@ impl Lanes {
         match self.order {
             Order::Lexicographic => {
                 self.relax_boundary(0, n + 1);
-                // Two boundary nodes in each row between the first and the last.
-                let ends = |j: usize| n + 1 + 2 * (j - 1);
-                let mut j = 1;
-                while j + 1 < n {
-                    self.relax_boundary(ends(j), 1);
-                    self.relax_boundary(ends(j + 1), 1);
-                    self.relax_two_rows(j);
-                    self.relax_boundary(ends(j) + 1, 1);
-                    self.relax_boundary(ends(j + 1) + 1, 1);
-                    j += 2;
-                }
-                if j < n {
-                    self.relax_boundary(ends(j), 1);
-                    self.relax_row(j);
-                    self.relax_boundary(ends(j) + 1, 1);
-                }
+                self.relax_rows(true);
                 self.relax_boundary(all - n - 1, n + 1);
             }
             Order::BoundaryFirst => {
                 self.relax_boundary(0, all);
-                (1..n).for_each(|j| self.relax_row(j));
+                self.relax_rows(false);
             }
             Order::InteriorFirst => {
-                (1..n).for_each(|j| self.relax_row(j));
+                self.relax_rows(false);
                 self.relax_boundary(0, all);
             }
         }
     }
 
-    /// (9) at the interior nodes of row `j`.
+    /// (9) at the interior nodes, in bands of as many rows as hide the latency of each; if the rows have their ends,
+    /// (10) and (11) there.
+    ///
+    /// Ends on the left come first: they use no new value of the band but those of the row below in the same column.
+    /// Ends on the right come last: no node of the band uses their new values.
     #[inline(always)]
-    fn relax_row(&mut self, j: usize) {
-        let side = self.grid.side();
-        let load = if self.regularised { &self.target } else { &self.load };
-        let (below, rest) = self.y.split_at_mut(j * side);
-        let (row, above) = rest.split_at_mut(side);
-        let (south, north) = (&below[(j - 1) * side..][..side], &above[..side]);
-        let (row, load) = (&mut row[..side], &load[j * side..][..side]);
-        let mut west = row[0];
-        for i in 1..side - 1 {
-            west = relaxed(self.centre, [load[i], row[i + 1], north[i], south[i], west]);
-            row[i] = west;
+    fn relax_rows(&mut self, with_ends: bool) {
+        let (n, most) = (self.grid.cells(), if K == 1 { 4 } else { 2 });
+        let mut first = 1;
+        while first < n {
+            let rows = first..n.min(first + most);
+            // Two boundary nodes in each row.
+            let ends = rows.clone().filter(|_| with_ends).map(|j| n + 1 + 2 * (j - 1));
+            ends.clone().for_each(|end| self.relax_boundary(end, 1));
+            match rows.len() {
+                1 => self.relax_band::<1>(first),
+                2 => self.relax_band::<2>(first),
+                3 => self.relax_band::<3>(first),
+                _ => self.relax_band::<4>(first),
+            }
+            ends.for_each(|end| self.relax_boundary(end + 1, 1));
+            first = rows.end;
         }
     }
 
-    /// (9) at the interior nodes of rows `j` and `j + 1`, the upper one column behind the lower: neither waits for
-    /// the other, and each node finds the values that it finds row by row.
+    /// (9) at the interior nodes of `ROWS` rows from the `first` on, each one column behind the row below: none waits
+    /// for another, and each node finds the values that it finds row by row.
     #[inline(always)]
-    fn relax_two_rows(&mut self, j: usize) {
-        let side = self.grid.side();
-        let load = if self.regularised { &self.target } else { &self.load };
-        let (below, rest) = self.y.split_at_mut(j * side);
-        let (lower, rest) = rest.split_at_mut(side);
-        let (upper, above) = rest.split_at_mut(side);
-        let (south, north) = (&below[(j - 1) * side..][..side], &above[..side]);
-        let [lower_load, upper_load] = [j, j + 1].map(|j| &load[j * side..][..side]);
-        let centre = self.centre;
-        lower[1] = relaxed(centre, [lower_load[1], lower[2], upper[1], south[1], lower[0]]);
-        let [mut west, mut west_above] = [lower[1], upper[0]];
-        for i in 2..side - 1 {
-            let (before, beside) = (west, upper[i]);
-            west = relaxed(centre, [lower_load[i], lower[i + 1], beside, south[i], west]);
-            west_above =
-                relaxed(centre, [upper_load[i - 1], beside, north[i - 1], before, west_above]);
-            (lower[i], upper[i - 1]) = (west, west_above);
+    fn relax_band<const ROWS: usize>(&mut self, first: usize) {
+        let n = self.grid.cells();
+        // The first and last columns of a band have fewer rows at work: one node at a time.
+        for t in 1..ROWS {
+            (0..t).for_each(|k| self.relax_inside(t - k, first + k));
         }
-        let i = side - 2;
-        upper[i] = relaxed(centre, [upper_load[i], upper[i + 1], north[i], west, west_above]);
+        self.relax_steadily::<ROWS>(first, n - ROWS);
+        for t in n..n + ROWS - 1 {
+            (t + 1 - n..ROWS).for_each(|k| self.relax_inside(t - k, first + k));
+        }
+    }
+
+    /// (9) at the interior node in column `i` and row `j`.
+    #[inline(always)]
+    fn relax_inside(&mut self, i: usize, j: usize) {
+        let (side, y) = (self.grid.side(), &self.y);
+        let node = j * side + i;
+        let load = if self.regularised { &self.target } else { &self.load };
+        let around = [y[node + 1], y[node + side], y[node - side], y[node - 1]];
+        self.y[node] = relaxed(self.centre, load[node], around);
+    }
+
+    /// (9) at `steps` nodes of each row of a band, in row k from column `ROWS - k` on.
+    #[inline(always)]
+    fn relax_steadily<const ROWS: usize>(&mut self, first: usize, steps: usize) {
+        let (side, centre) = (self.grid.side(), self.centre);
+        let load = if self.regularised { &self.target } else { &self.load };
+        let (below, rest) = self.y[(first - 1) * side..].split_at_mut(side);
+        let (rows, above) = rest.split_at_mut(ROWS * side);
+        let (below, above) = (&below[ROWS..][..steps], &above[1..][..steps]);
+        let mut rows = rows.chunks_exact_mut(side);
+        // The window of row k begins one column to the west.
+        let rows: [_; ROWS] =
+            from_fn(|k| &mut rows.next().expect("a row for each k")[ROWS - k - 1..][..steps + 2]);
+        let loads: [_; ROWS] = from_fn(|k| &load[(first + k) * side + ROWS - k..][..steps]);
+        let mut west: [V<K, L>; ROWS] = from_fn(|k| rows[k][0]);
+        for t in 0..steps {
+            // The node north of row k is the one east of row k + 1, and the node south of row k + 1 is the one that
+            // row k has just left.
+            let (mut south, mut east) = (below[t], rows[0][t + 2]);
+            for k in 0..ROWS {
+                let north = if k + 1 < ROWS { rows[k + 1][t + 2] } else { above[t] };
+                let next = relaxed(centre, loads[k][t], [east, north, south, west[k]]);
+                (south, east, west[k]) = (west[k], north, next);
+                rows[k][t + 1] = next;
+            }
+        }
     }
 
     /// (10) and (11) at `count` boundary nodes from the `first` on in the order of rows.
@@ -285,13 +310,13 @@ impl Lanes {
     }
 
     #[inline(always)]
-    pub(super) fn step_inline(&mut self, steps: [bool; LANES]) -> [f64; LANES] {
-        let steps = V(steps.map(|steps| f64::from(u8::from(steps))));
+    pub(super) fn step_inline(&mut self, steps: [bool; K]) -> [f64; K] {
+        let steps: V<K, L> = V::of(steps.map(|steps| f64::from(u8::from(steps))));
         let (mut changes, mut not_finite) = (V::all(0.0), V::all(0.0));
         for edge in &*self.edges {
             let (y, a) = (self.y[edge.node as usize], &mut self.a[edge.place as usize]);
             let next = *a - self.r * y;
-            let next = V(from_fn(|l| if steps.0[l] == 1.0 { next.0[l] } else { a.0[l] }));
+            let next = V::of(from_fn(|l| if steps.0[l] == 1.0 { next.0[l] } else { a.0[l] }));
             // Zero, unless a value is no finite number.
             not_finite = not_finite + next * V::all(0.0);
             let next = self.laws.project(next);
@@ -299,5 +324,51 @@ impl Lanes {
             *a = next;
         }
         (changes + not_finite).0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::saddle::{Method, Pair, Plain};
+    use proptest::prelude::*;
+
+    /// Iterate after three sweeps in the last of `K` lanes, whose bands are wider for one lane.
+    fn swept<const K: usize, L: Copy>(grid: Grid, law: Law, run: &RunStart<'_>) -> Vec<f64> {
+        let mut lanes = Lanes::<K, L>::new(grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
+        lanes.enter(K - 1, law, run);
+        (0..3).for_each(|_| lanes.sweep_inline());
+        lanes.y.iter().map(|y| y.0[K - 1]).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn bands_of_any_height_give_the_definition_to_the_last_bit(
+            n in 2usize..40, seed in any::<u64>(), r in 1e-3..1e6f64, weight in 0.0..1e3f64,
+            friction in proptest::option::of(0.01..1.0f64),
+        ) {
+            let grid = Grid::new(n).unwrap();
+            let mut state = seed;
+            let mut random = move || {
+                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                (state >> 33) as f64 / (1u64 << 31) as f64 - 0.5
+            };
+            let mut vector = |length: usize| (0..length).map(|_| random()).collect::<Vec<_>>();
+            let (load, y) = (vector(grid.nodes()), vector(grid.nodes()));
+            let law = friction.map_or(Law::SIGNORINI, |g| Law::friction(g).unwrap());
+            let a = vector(grid.boundary_nodes()).into_iter().map(|a| law.project(a)).collect();
+            let mut pair = Pair { y, a };
+            let start = pair.clone();
+            let run = RunStart { load: &load, method: Method::ArrowHurwicz, r, pair: &start };
+            let network = Network::of_square(grid);
+            let definition = Plain { network: &network, law, load: &load, r };
+            (0..3).for_each(|_| definition.sweep(&mut pair));
+            prop_assert_eq!(&pair.y, &swept::<1, f64>(grid, law, &run));
+            prop_assert_eq!(&pair.y, &swept::<LANES, Line>(grid, law, &run));
+            // With a proximal term, which the paper has not.
+            let method = Method::Uzawa { weight, inner: 0.0, loose: false };
+            let run = RunStart { method, ..run };
+            prop_assert_eq!(swept::<1, f64>(grid, law, &run), swept::<LANES, Line>(grid, law, &run));
+        }
     }
 }

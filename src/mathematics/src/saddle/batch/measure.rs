@@ -1,6 +1,5 @@
 //! The lanes as an engine: measures of the iterates, node by node in all lanes at once.
 
-use super::LANES;
 use super::arithmetic::V;
 use super::lanes::{LaneEdge, Lanes};
 use crate::discrete::norms::worst;
@@ -11,7 +10,7 @@ use crate::saddle::{Engine, GradientMeasure, Pair};
 use std::array::from_fn;
 use std::borrow::Cow;
 
-impl Engine<LANES> for Lanes {
+impl<const K: usize, L: Copy> Engine<K> for Lanes<K, L> {
     fn sweep(&mut self) {
         vectorised(
             #[inline(always)]
@@ -19,7 +18,7 @@ impl Engine<LANES> for Lanes {
         );
     }
 
-    fn dual_step(&mut self, lanes: [bool; LANES]) -> [f64; LANES] {
+    fn dual_step(&mut self, lanes: [bool; K]) -> [f64; K] {
         vectorised(
             #[inline(always)]
             || self.step_inline(lanes),
@@ -31,7 +30,7 @@ impl Engine<LANES> for Lanes {
     }
 
     /// The nodes that broke the bounds last are tried first.
-    fn within(&mut self, measure: GradientMeasure, bounds: [Option<f64>; LANES]) -> [bool; LANES] {
+    fn within(&mut self, measure: GradientMeasure, bounds: [Option<f64>; K]) -> [bool; K] {
         let kind = usize::from(measure == GradientMeasure::Inner);
         vectorised(
             #[inline(always)]
@@ -46,28 +45,25 @@ impl Engine<LANES> for Lanes {
                 let (first, bounds) =
                     (witnesses[lane] / side, bounds.map(Option::unwrap_or_default));
                 for j in (first..side).chain(0..first) {
-                    let mut above = V::all(0.0);
+                    let mut above = V::<K, L>::all(0.0);
                     self.in_row(
                         measure,
                         j,
                         #[inline(always)]
                         |value, _| {
                             // One comparison, which NaN fails, so that all lanes are compared at once.
-                            above =
-                                V(from_fn(
-                                    |l| {
-                                        if value.0[l] <= bounds[l] { above.0[l] } else { 1.0 }
-                                    },
-                                ));
+                            above = V::of(from_fn(|l| {
+                                if value.0[l] <= bounds[l] { above.0[l] } else { 1.0 }
+                            }));
                         },
                     );
-                    for lane in 0..LANES {
+                    for lane in 0..K {
                         if open[lane] && above.0[lane] == 1.0 {
                             open[lane] = false;
                             witnesses[lane] = self.largest_in_row(lane, measure, j);
                         }
                     }
-                    if open == [false; LANES] {
+                    if open == [false; K] {
                         break;
                     }
                 }
@@ -77,24 +73,21 @@ impl Engine<LANES> for Lanes {
         )
     }
 
-    fn worst(&mut self, measure: GradientMeasure) -> [f64; LANES] {
+    fn worst(&mut self, measure: GradientMeasure) -> [f64; K] {
         vectorised(
             #[inline(always)]
             || {
-                let (mut worst, mut nan) = (V::all(f64::NEG_INFINITY), V::all(0.0));
+                let (mut worst, mut nan) = (V::<K, L>::all(f64::NEG_INFINITY), V::<K, L>::all(0.0));
                 for j in 0..self.grid.side() {
                     self.in_row(
                         measure,
                         j,
                         #[inline(always)]
-                        |value: V, _| {
+                        |value: V<K, L>, _| {
                             worst = value.greatest(worst);
-                            nan =
-                                V(from_fn(
-                                    |l| {
-                                        if value.0[l].is_nan() { value.0[l] } else { nan.0[l] }
-                                    },
-                                ));
+                            nan = V::of(from_fn(|l| {
+                                if value.0[l].is_nan() { value.0[l] } else { nan.0[l] }
+                            }));
                         },
                     );
                 }
@@ -115,7 +108,7 @@ impl Engine<LANES> for Lanes {
     }
 }
 
-impl Lanes {
+impl<const K: usize, L: Copy> Lanes<K, L> {
     /// Place at which the largest value of a measure in row `j` of a lane is, or one that is NaN.
     fn largest_in_row(&self, lane: usize, measure: GradientMeasure, j: usize) -> usize {
         let mut largest = (f64::NEG_INFINITY, 0);
@@ -135,7 +128,7 @@ impl Lanes {
 
     /// Notes a measure at all nodes of row `j`, those of the boundary first.
     #[inline(always)]
-    fn in_row(&self, measure: GradientMeasure, j: usize, mut note: impl FnMut(V, usize)) {
+    fn in_row(&self, measure: GradientMeasure, j: usize, mut note: impl FnMut(V<K, L>, usize)) {
         let (n, side) = (self.grid.cells(), self.grid.side());
         let edges = match j {
             0 => 0..n + 1,
@@ -160,7 +153,7 @@ impl Lanes {
 
     /// The measure at a node, rounded as in [`Plain::gradient`](crate::saddle::Plain::gradient).
     #[inline(always)]
-    fn at_node(&self, measure: GradientMeasure, node: usize) -> V {
+    fn at_node(&self, measure: GradientMeasure, node: usize) -> V<K, L> {
         let (side, y) = (self.grid.side(), &self.y);
         match self.edges.get(self.edge_at[node] as usize) {
             Some(edge) => self.on_boundary(measure, edge),
@@ -173,7 +166,7 @@ impl Lanes {
 
     /// F, or F with the proximal term where the measure has it.
     #[inline(always)]
-    fn load_of(&self, measure: GradientMeasure) -> &[V] {
+    fn load_of(&self, measure: GradientMeasure) -> &[V<K, L>] {
         let with_term = measure == GradientMeasure::Inner && self.regularised;
         if with_term { &self.target } else { &self.load }
     }
@@ -182,10 +175,10 @@ impl Lanes {
     fn inside(
         &self,
         measure: GradientMeasure,
-        here: V,
-        [south, north, west, east]: [V; 4],
-        load: V,
-    ) -> V {
+        here: V<K, L>,
+        [south, north, west, east]: [V<K, L>; 4],
+        load: V<K, L>,
+    ) -> V<K, L> {
         let sum = (((load + east) + north) + south) + west;
         let flux = V::all(4.0) * here - sum;
         let flux = if measure == GradientMeasure::Inner { flux + self.shift * here } else { flux };
@@ -193,7 +186,7 @@ impl Lanes {
     }
 
     #[inline(always)]
-    fn on_boundary(&self, measure: GradientMeasure, edge: &LaneEdge) -> V {
+    fn on_boundary(&self, measure: GradientMeasure, edge: &LaneEdge) -> V<K, L> {
         let (node, half, y) = (edge.node as usize, V::all(0.5), &self.y);
         let (here, load) = (y[node], self.load_of(measure)[node]);
         let [first, second, third] = edge.terms(y);

@@ -24,7 +24,7 @@ fn all_engines_have_the_same_pairs_and_measures_to_the_last_bit() {
     for law in laws() {
         let run = RunStart { load: &load, method: Method::ArrowHurwicz, r: 3.0, pair: &start };
         let (mut square, mut definition) = (engine(grid, law, &run), engine(&network, law, &run));
-        let mut lanes = Lanes::new(grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
+        let mut lanes: Lanes = Lanes::new(grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
         lanes.enter(5, law, &run);
         for _ in 0..20 {
             square.sweep();
