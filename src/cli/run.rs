@@ -279,10 +279,9 @@ impl RunArgs {
             for scene in workplace.project.select(scenes)? {
                 let artifact =
                     |task: &str, name: &str| outcomes_of(workplace, summary, (task, name));
-                let numbers = |task: &str| artifact(task, solve::NUMBERS);
                 let mut lines = study::remarks(scene, artifact);
                 if !is_as_published(scene) {
-                    lines.extend(solve::remarks(scene, numbers));
+                    lines.extend(solve::remarks(scene, |task| artifact(task, solve::NUMBERS)));
                 }
                 lines.iter().for_each(|line| talk(line));
             }

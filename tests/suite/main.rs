@@ -22,7 +22,6 @@ mod documents;
 mod domain_scenes;
 mod domains;
 mod edits;
-mod effects;
 mod energies;
 mod engines;
 mod examples;
