@@ -1,7 +1,8 @@
 //! Runs that are killed or interrupted: what was finished is kept, and the next run goes on to the same result.
 
 use crate::common::{
-    Dice, EVERYTHING, Project, Said, TABLE, absent, assert_same, interrupt, promised, send, wanting,
+    Dice, EVERYTHING, Project, Said, TABLE, absent, assert_same, interrupt, promised, send,
+    wait_for_handler, wanting,
 };
 use std::collections::BTreeMap;
 use std::fs::{self, File};
