@@ -279,10 +279,10 @@ impl RunArgs {
             for scene in workplace.project.select(scenes)? {
                 let artifact =
                     |task: &str, name: &str| outcomes_of(workplace, summary, (task, name));
-                let outcomes = |task: &str| artifact(task, solve::OUTCOMES);
+                let numbers = |task: &str| artifact(task, solve::NUMBERS);
                 let mut lines = study::remarks(scene, artifact);
                 if !is_as_published(scene) {
-                    lines.extend(solve::remarks(scene, outcomes));
+                    lines.extend(solve::remarks(scene, numbers));
                 }
                 lines.iter().for_each(|line| talk(line));
             }

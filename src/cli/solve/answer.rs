@@ -1,6 +1,6 @@
 //! Answer of `solve`: the solution, its judgement apart from the solvers, and both as JSON and as text.
 
-use super::bound::{self, BoundaryWords};
+use super::bound;
 use super::clock::Part;
 use super::request::Request;
 use super::{points, truth};
@@ -13,7 +13,6 @@ use crate::replication::written::reason;
 use crate::table::Table;
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::Accuracy;
-use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::discrete::kkt::StateCounts;
 use signorini_mathematics::mesh::PointValue;
 use signorini_mathematics::problem::law::Law;
@@ -36,10 +35,8 @@ fn states_in_words(states: StateCounts, law: Law) -> String {
 pub(super) struct Answer {
     /// Solution, with the problem on its levels.
     pub solved: Solved,
-    /// Arcs in contact, with ends estimated within the cell unless the solution is the true one; `None` in space.
-    contact: Option<Vec<ContactArc>>,
-    /// Total contact force: sum of r over the nodes in contact, and of the law's flux over the others.
-    pub force: f64,
+    /// Numbers of the solution, as tables and JSON have them.
+    numbers: Numbers,
     /// v and its gradient at the points that are asked for.
     pub values: Vec<PointValue>,
     /// Warnings and failure.
@@ -48,13 +45,13 @@ pub(super) struct Answer {
 
 impl Answer {
     pub(super) fn new(request: &Request, solved: Solved) -> Self {
-        let (contact, force) = (solved.contact(), solved.force());
         let values = solved.values_at(&request.points);
         let record = request.judge().record(&solved);
+        let numbers = Numbers::of(&request.statement, &solved, &record);
         if solved.run().is_some() {
             request.clock.ended(Part::Bounds);
         }
-        Self { solved, contact, force, values, record }
+        Self { solved, numbers, values, record }
     }
 
     /// Nodal values on the finest level, and the multiplier; those of a true solution take a while.
@@ -66,13 +63,12 @@ impl Answer {
     }
 
     /// Returns the energy that answers and, if it is another, that of v.
-    fn energy_in_words(&self, request: &Request) -> String {
+    fn energy_in_words(&self, request: &Request, run: &Run) -> String {
         let digits = match request.statement.accuracy() {
             Some(Accuracy::Energy(wanted)) => DIGITS.max(2 + (-libm::log10(wanted)) as usize),
             _ => DIGITS,
         };
-        let (energy, of_v) =
-            (details::answering_energy(&request.statement, &self.solved), self.solved.energy());
+        let (energy, of_v) = (self.solved.energy(), run.last().energy);
         let mut text = format!("energy {}\n", plain(energy, digits));
         if energy != of_v {
             text += &format!("energy of the linear v {}\n", plain(of_v, DIGITS));
@@ -82,8 +78,7 @@ impl Answer {
 
     /// Returns the answer in JSON, with what belongs to this command alone.
     pub(super) fn json(&self, request: &Request) -> Value {
-        let numbers = Numbers::of(&request.statement, &self.solved, &self.record);
-        let mut json = numbers.json();
+        let mut json = self.numbers.json();
         json.insert("schema".into(), 1.into());
         json.insert("scene".into(), json!(request.name));
         json.insert("seconds".into(), request.clock.json());
@@ -106,14 +101,14 @@ impl Answer {
     pub(super) fn text(&self, request: &Request, recover: bool, points_in_file: bool) -> String {
         let levels = self.solved.problem.levels();
         let (name, f) = (&request.name, &levels.facts().f);
-        let integral = plain(details::integral(&self.solved), 4);
+        let integral = plain(self.solved.integral(), 4);
         let mut text = format!("{name}: f = {f}, integral {integral}\n");
         if self.record.failure.is_some() {
             text += "not a solution, but where the solver ended:\n";
         }
         match (self.solved.truth(), self.solved.run()) {
             (Some(found), _) => {
-                text += &truth::text(&self.solved);
+                text += &truth::text(&self.solved, &self.numbers);
                 text += &request.clock.text("setup", &format!(" ({} Newton steps)", found.steps));
             }
             (None, Some(run)) => {
@@ -132,11 +127,9 @@ impl Answer {
     /// Returns what was asked for: the energy with its bounds, v, and the contact.
     fn solution(&self, request: &Request, run: &Run, recover: bool) -> String {
         let (problem, levels) = (&self.solved.problem, self.solved.problem.levels());
-        let (last, law, integral) = (run.last(), problem.law(), levels.facts().integral);
-        let mut text = self.energy_in_words(request);
-        if !last.verdict().is_failure() || request.statement.accuracy().is_some() {
-            text += &bound::text(&self.solved, recover);
-        }
+        let (last, law) = (run.last(), problem.law());
+        let mut text = self.energy_in_words(request, run);
+        text += &bound::text(&self.numbers, recover);
         if let Some(errors) = self.solved.errors() {
             let [l2, h1, max] = [errors.l2, errors.h1, errors.max].map(|error| plain(error, 3));
             text += &format!("errors: L2 {l2}, H1 {h1}, nodes {max}");
@@ -147,7 +140,7 @@ impl Answer {
         }
         let [least, greatest] = last.range.map(|v| plain(v, 6));
         text += &format!("v from {least} to {greatest}\n");
-        let arcs = self.contact.as_deref().unwrap_or_default();
+        let arcs = self.solved.contact().unwrap_or_default();
         text += &states_in_words(run.judgement.state_counts(), law);
         let parts = problem.parts_in_contact(&run.judgement);
         if let Some(parts) = parts.as_ref().filter(|parts| arcs.is_empty() && !parts.is_empty()) {
@@ -161,15 +154,7 @@ impl Answer {
             };
         }
         text.push('\n');
-        let (words, rounding) = (BoundaryWords::of(law), levels.facts().rounding());
-        for arc in arcs {
-            let part = arc.part.clone().filter(|_| parts.is_some());
-            text += &words.arc(&ContactArc { part, ..arc.clone() }, rounding, 6);
-        }
-        text += &words.force([self.force, 0.0 - integral], rounding, 6);
-        if problem.domain(problem.finest()).has_fixed_part() {
-            text += "fixed parts carry the difference\n";
-        }
+        text += &bound::boundary(&self.solved, 6);
         if load_misses(problem, last) {
             let minus_sum = plain(0.0 - last.sum_load, 6);
             text += &format!("minus the sum of the load {minus_sum}\n");

@@ -24,7 +24,7 @@ use crate::timing::machine;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
-use signorini_mathematics::problem::text::plain;
+use signorini_mathematics::problem::text::{percent, plain};
 use signorini_mathematics::solvers::Memory;
 use signorini_mathematics::statement::Statement;
 use std::collections::BTreeSet;
@@ -198,7 +198,7 @@ pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
     if interrupted().is_asked() {
         return Err(Error::Interrupted);
     }
-    match solved.iter().map(Numbers::reason).collect::<Option<Vec<_>>>() {
+    match solved.iter().map(|of| of.reason.as_ref()).collect::<Option<Vec<_>>>() {
         Some(reasons) => {
             let not_saved = if asked.saved.is_some() { "; no scene is written" } else { "" };
             let reason = format!("no member has a solution{not_saved}: {}", reasons[0]);
@@ -228,7 +228,7 @@ fn checked_csv(path: &Path) -> Result<OutputFile> {
 fn lines(Asked { study, scene_name, .. }: &Asked, solved: &[Numbers]) -> String {
     let mut text = String::new();
     for ((member, numbers), mut line) in study.members.iter().zip(solved).zip(study.rows(solved)) {
-        line.extend(numbers.details().clone());
+        line.extend(numbers.details.clone());
         let values = study.values(member).map(|value| value.json());
         let varied: Map<String, Value> = study.names.iter().cloned().zip(values).collect();
         line.insert("varied".into(), varied.into());
@@ -242,40 +242,24 @@ fn lines(Asked { study, scene_name, .. }: &Asked, solved: &[Numbers]) -> String 
 
 /// Returns the table with the digits that are read, and what is asked for first on the left.
 fn for_people(study: &Study, solved: &[Numbers]) -> Table {
-    const SHOWN: [(&str, &str, usize); 6] = [
-        ("energy", "energy", 7),
-        ("contact_length", "contact", 4),
-        ("force", "force", 4),
-        ("v_least", "v from", 4),
-        ("v_greatest", "to", 4),
-        ("nodes", "nodes", 0),
-    ];
-    let mut head = study.names.clone();
-    head.extend(["energy", "error"].map(str::to_owned));
-    head.extend(SHOWN[1..].iter().map(|(_, name, _)| (*name).to_owned()));
+    let shown = ["energy", "error", "contact", "force", "v from", "to", "nodes"];
     let marks = study.marks(solved);
-    head.extend(marks.iter().map(|&name| name.to_owned()));
+    let head = study.names.iter().map(String::as_str).chain(shown).chain(marks.iter().copied());
     let mut table = Table::new(head, &[]);
-    for (member, numbers) in study.members.iter().zip(solved) {
-        let mut cells = Vec::new();
-        for (column, _, digits) in SHOWN {
-            let number = numbers.number(column);
-            cells.push(number.map_or_else(String::new, |number| match digits {
-                0 => number.to_string(),
-                digits => plain(number, digits),
-            }));
-        }
-        let error = numbers.number("error_relative");
-        let error =
-            error.map_or_else(String::new, |error| format!("{} %", plain(100.0 * error, 3)));
-        cells.insert(1, error);
+    for (member, of) in study.members.iter().zip(solved) {
+        let text = |number: Option<f64>, digits| number.map_or(String::new(), |x| plain(x, digits));
+        let mut row: Vec<String> = study.values(member).map(|value| value.to_string()).collect();
+        row.push(text(of.energy, 7));
+        row.push(of.error_relative.map_or(String::new(), |error| percent(error, 3)));
+        row.extend([of.contact_length, of.force, of.v_least, of.v_greatest].map(|x| text(x, 4)));
+        row.push(of.nodes.map_or(String::new(), |nodes| nodes.to_string()));
         for &mark in &marks {
-            cells.push(match mark {
-                WARNINGS => count_of(numbers),
-                mark => numbers.cells(&[mark]).concat(),
+            row.push(match mark {
+                WARNINGS => count_of(of),
+                mark => of.cells(&[mark]).concat(),
             });
         }
-        table.rows.push(study.values(member).map(|value| value.to_string()).chain(cells).collect());
+        table.rows.push(row);
     }
     table.with_columns(|_| true)
 }

@@ -18,6 +18,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::identify::Findings;
+use signorini_mathematics::problem::text::percent;
 use signorini_mathematics::solvers::{SaddleSettings, true_solution};
 
 /// Kind of figure.
@@ -113,7 +114,8 @@ fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
             picture.note = bounds(inputs, scenes)?;
         }
         if let (Output::Map, [scene]) = (kind, &scenes[..]) {
-            picture.note = solve::warnings_in_words(inputs, scene)?;
+            let numbers = solve::drawn(inputs, scene, scene.first_rule())?;
+            picture.note = solve::warnings_in_words(scene, &numbers);
         }
         let caption = KINDS.iter().find(|one| one.output == *kind).map_or("", |one| one.caption);
         let titles: Vec<&str> = scenes.iter().map(|scene| &*scene.title).collect();
@@ -273,23 +275,24 @@ fn numbers(inputs: &Inputs, scenes: &[Scene]) -> Result<String, Failure> {
     let mut table = "energy,error,held\n".to_owned();
     for scene in scenes {
         let rule = scene.first_rule();
-        let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
-        let error = outcomes.last_bounds().map_or(String::new(), |of| of.relative().to_string());
+        let found = solve::drawn(inputs, scene, rule)?;
+        let error = solve::bounds(scene, &found);
+        let error = error.map_or(String::new(), |of| of.relative().to_string());
+        let energy = found.energy.unwrap_or(f64::NAN);
         let problem = solve::problem(inputs, scene)?;
         let held = solve::held(&problem, &solve::pair(inputs, scene, rule, &problem)?);
-        table += &format!("{},{error},{held}\n", outcomes.energy);
+        table += &format!("{energy},{error},{held}\n");
     }
     Ok(table)
 }
 
 /// Returns the title of a scene, with the end of its solver unless that is a solution, above the bound of its error.
 fn title_with_bound(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
-    let (title, rule) = (title_with_end(inputs, scene)?, scene.first_rule());
-    let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
-    let is_solution = rule.is_none() && solve::no_solution(inputs, scene, rule)?.is_none();
-    let relative = outcomes.last_bounds().map(Bounds::relative).filter(|&error| error < 1.0);
-    Ok(match relative.filter(|_| is_solution && !title.is_empty()) {
-        Some(error) => format!("{title}\nerror at most {}", solve::percent(error)),
+    let title = title_with_end(inputs, scene)?;
+    let bounds = solve::bounds(scene, &solve::drawn(inputs, scene, scene.first_rule())?);
+    let relative = bounds.as_ref().map(Bounds::relative).filter(|&error| error < 1.0);
+    Ok(match relative.filter(|_| !title.is_empty()) {
+        Some(error) => format!("{title}\nerror at most {}", percent(error, 3)),
         None => title,
     })
 }
@@ -298,7 +301,8 @@ fn title_with_bound(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
 /// problems is of the place where its rule stops, which the page says.
 fn title_with_end(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
     let (title, rule) = (&scene.title, scene.first_rule());
-    Ok(match solve::no_solution(inputs, scene, rule)? {
+    let numbers = solve::drawn(inputs, scene, rule)?;
+    Ok(match solve::no_solution(&numbers) {
         _ if title.is_empty() => String::new(),
         Some(end) => format!("{title} ({end})"),
         None => {
@@ -306,7 +310,7 @@ fn title_with_end(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
             if rule.is_some() && scene.paper_table.is_none() {
                 title += ", where the rule stops";
             }
-            match solve::warnings(inputs, scene)?.len() {
+            match solve::warnings(scene, &numbers).len() {
                 0 => title,
                 1 => title + " (a warning)",
                 count => format!("{title} ({count} warnings)"),
@@ -319,7 +323,8 @@ fn title_with_end(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
 fn bounds(inputs: &Inputs, scenes: &[Scene]) -> Result<String, String> {
     let mut sentences = String::new();
     for scene in scenes {
-        sentences += &solve::bounds_in_words(inputs, scene)?;
+        let numbers = solve::drawn(inputs, scene, scene.first_rule())?;
+        sentences += &solve::bounds_in_words(scene, &numbers);
     }
     Ok(sentences)
 }
@@ -343,7 +348,7 @@ fn draw_contact(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
         let problem = solve::problem(inputs, scene)?;
         let mut ends = Vec::new();
         for rule in scene.rules() {
-            ends.push(solve::no_solution(inputs, scene, rule)?);
+            ends.push(solve::no_solution(&solve::drawn(inputs, scene, rule)?));
         }
         // An end that several rules have, and no other does, is said once.
         let is_common = ends.len() > 1 && ends.iter().all(|end| *end == ends[0]);

@@ -9,16 +9,15 @@ use crate::pipeline::names::in_shell;
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Task};
 use crate::replication::fields::table::Voice;
 use crate::replication::mesh_files;
-pub(super) use crate::replication::numbers::CONVERGED;
+use crate::replication::numbers::Numbers;
 use crate::replication::record::{Grouped, Judge, Record};
 use crate::replication::scene::{Output, RuleAndR, Scene};
 use crate::timing::machine;
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::{Accuracy, Bounds};
-use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::levels::{Problem, Reserve};
-use signorini_mathematics::problem::text::{interval, plain};
+use signorini_mathematics::levels::Problem;
+use signorini_mathematics::problem::text::percent;
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, StopRule};
 use signorini_mathematics::solvers::{Memory, ReachEnd, Solved, Tried, Watcher};
 use signorini_mathematics::statement::{Fineness, Statement};
@@ -40,42 +39,8 @@ pub(super) struct Cell {
     is_papers: bool,
 }
 
-/// Contents of the artifact [`OUTCOMES`].
-#[derive(Debug, Default, Serialize, Deserialize)]
-pub(super) struct Outcomes {
-    schema: u8,
-    /// Duality parameter of a saddle-point method.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(super) r: Option<f64>,
-    /// Per grid on which the solver ended, coarsest first; empty for the spectral solver.
-    pub(super) levels: Vec<Outcome>,
-    /// Guaranteed bounds per grid, or none where there are none; empty for the saddle-point methods, which end where
-    /// their rule says so, and one for the spectral solver.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(super) bounds: Vec<Option<Bounds>>,
-    /// True if the accuracy of the energy was asked for.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    asks_energy: bool,
-    /// Parts of the problem that the bounds leave out.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(super) reserve: Vec<Reserve>,
-    /// Iterations on the finest grid; of the spectral solver, Newton steps.
-    pub(super) iterations: usize,
-    /// Energy that answers: on the finest grid, as [`Outcomes::energy_on`] has it, or of the true solution.
-    pub(super) energy: f64,
-    /// Width of the bracket of a true solution's energy over the energy; none without a bracket.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(super) accuracy: Option<f64>,
-    /// Warnings that `solve` gives.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(super) warnings: Vec<String>,
-    /// Remedy for them, and for a failure.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(super) remedy: Option<String>,
-}
-
-/// Artifact with an [`Outcomes`].
-pub(crate) const OUTCOMES: &str = "outcomes.json";
+/// Artifact with the [`Numbers`] of a solve.
+pub(crate) const NUMBERS: &str = "numbers.json";
 /// Artifact with the pair on the finest grid: y, then a, as little-endian doubles.
 pub(super) const PAIR: &str = "pair.f64";
 /// Artifact with the cells that were marked for each bisection of adapted meshes: their number, then theirs, as
@@ -199,12 +164,11 @@ impl Cell {
         if self.keep_pair && pairs.is_empty() {
             pairs.push(solved.pair());
         }
-        let outcomes = Outcomes {
-            warnings: record.facts(),
-            remedy: record.remedy(),
-            ..self.outcomes(&solved)
-        };
-        let mut artifacts = outcomes.artifacts(pairs.last().filter(|_| self.keep_pair));
+        let numbers = Numbers::of(&self.statement, &solved, &record);
+        let mut artifacts = Artifacts::from([(NUMBERS.to_owned(), to_json(&numbers))]);
+        if let Some(pair) = pairs.last().filter(|_| self.keep_pair) {
+            artifacts.insert(PAIR.into(), pair_bytes(pair));
+        }
         if let Some(marks) = solved.reached.and_then(|reached| reached.marks) {
             artifacts.insert(MARKS.into(), marks_bytes(&marks));
         }
@@ -212,68 +176,6 @@ impl Cell {
             artifacts.insert(HISTORY.into(), to_json(&history));
         }
         Ok(artifacts)
-    }
-
-    /// Returns what is kept of a solution.
-    fn outcomes(&self, solved: &Solved) -> Outcomes {
-        let mut outcomes = Outcomes {
-            schema: 1,
-            r: self.statement.saddle.map(|settings| settings.r),
-            levels: solved.ends().to_vec(),
-            asks_energy: matches!(self.statement.accuracy(), Some(Accuracy::Energy(_))),
-            energy: solved.energy(),
-            ..Outcomes::default()
-        };
-        if let Some(found) = solved.truth() {
-            outcomes.iterations = found.steps;
-            outcomes.accuracy = found.checks.bracket;
-        }
-        if outcomes.r.is_none() {
-            outcomes.bounds = solved.bounds().iter().map(|bounds| bounds.clone().ok()).collect();
-            outcomes.reserve = solved.reserves();
-        }
-        if let Some((last, coarser)) = outcomes.levels.split_last() {
-            outcomes.iterations = last.end.iterations;
-            outcomes.energy = outcomes.energy_on(coarser.len());
-        }
-        outcomes
-    }
-}
-
-impl Outcomes {
-    /// Artifacts with these outcomes, and the last pair if it is drawn.
-    fn artifacts(&self, drawn: Option<&Pair>) -> Artifacts {
-        let mut artifacts = Artifacts::from([(OUTCOMES.to_owned(), to_json(self))]);
-        if let Some(pair) = drawn {
-            artifacts.insert(PAIR.into(), pair_bytes(pair));
-        }
-        artifacts
-    }
-
-    /// Name of the end on the finest level, or of that of the spectral solver.
-    pub(super) fn end(&self) -> &'static str {
-        self.levels.last().map_or(CONVERGED, Outcome::name)
-    }
-
-    /// Energy on the level with this number: that of v or, where the accuracy of the energy was asked for, the number
-    /// of the guaranteed bracket that is nearest to it.
-    pub(super) fn energy_on(&self, level: usize) -> f64 {
-        let of_v = self.levels[level].energy;
-        match self.bounds.get(level) {
-            Some(Some(bounds)) if self.asks_energy => bounds.nearest_energy(of_v),
-            _ => of_v,
-        }
-    }
-
-    /// Guaranteed bounds on the finest level, if there are any.
-    pub(super) fn last_bounds(&self) -> Option<&Bounds> {
-        self.bounds.last()?.as_ref()
-    }
-
-    /// Returns, in words, how the solver of a scene ended on the finest level, unless with a solution.
-    fn no_solution(&self, scene: &Scene) -> Option<String> {
-        let judged = self.levels.last()?.judged(scene.statement.accuracy().is_some());
-        judged.is_failure().then(|| self.end().replace('-', " "))
     }
 }
 
@@ -316,22 +218,18 @@ impl Monitor for Recorder<'_> {
     }
 }
 
-/// Returns, in words, how the solver ended on the finest grid, with the r that is drawn, unless with a solution.
-pub(super) fn no_solution(
-    inputs: &Inputs,
-    scene: &Scene,
-    rule: Option<StopRule>,
-) -> Result<Option<String>, String> {
-    Ok(drawn_outcomes(inputs, scene, rule)?.no_solution(scene))
+/// Returns, in words, how a solver ended, unless with a solution.
+pub(super) fn no_solution(numbers: &Numbers) -> Option<String> {
+    numbers.reason.as_ref().and(numbers.stop.as_ref()).map(|end| end.replace('-', " "))
 }
 
-/// Returns the outcomes of a scene under a rule, with the r that is drawn.
-pub(super) fn drawn_outcomes(
+/// Returns the numbers of a scene under a rule, with the r that is drawn.
+pub(super) fn drawn(
     inputs: &Inputs,
     scene: &Scene,
     rule: Option<StopRule>,
-) -> Result<Outcomes, String> {
-    from_json(inputs, &id_of(scene, scene.drawn(rule)), OUTCOMES)
+) -> Result<Numbers, String> {
+    from_json(inputs, &id_of(scene, scene.drawn(rule)), NUMBERS)
 }
 
 /// Returns, in words, what the pair of a scene under a rule is that is drawn.
@@ -343,61 +241,37 @@ pub(super) fn state(
     if let Some(RuleAndR { rule, r }) = scene.drawn(rule) {
         return Ok(format!("where the rule {rule} stops, r = {r}"));
     }
-    let outcomes = drawn_outcomes(inputs, scene, rule)?;
-    Ok(match (outcomes.no_solution(scene), scene.statement.accuracy()) {
+    Ok(match (no_solution(&drawn(inputs, scene, rule)?), scene.statement.accuracy()) {
         (Some(end), _) => end,
         // The solver stops where its error is that of the grid.
         (None, Some(Accuracy::Error(wanted))) => {
-            format!("with an error of at most {}", percent(wanted))
+            format!("with an error of at most {}", percent(wanted, 3))
         }
         (None, _) => "the solution".into(),
     })
 }
 
-/// Returns the warnings of a scene under its first rule, with the r that is drawn; those of a published table are in
-/// the book.
-pub(super) fn warnings(inputs: &Inputs, scene: &Scene) -> Result<Vec<String>, String> {
-    let outcomes = drawn_outcomes(inputs, scene, scene.first_rule())?;
-    Ok(if scene.paper_table.is_some() { Vec::new() } else { outcomes.warnings })
+/// Returns the warnings of a scene with these numbers; those of a published table are in the book.
+pub(super) fn warnings<'a>(scene: &Scene, numbers: &'a Numbers) -> &'a [String] {
+    if scene.paper_table.is_some() { &[] } else { &numbers.warnings }
 }
 
 /// Returns these warnings in sentences with a space behind them.
-pub(super) fn warnings_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
-    let warnings = warnings(inputs, scene)?;
-    let each: Vec<String> = warnings.iter().map(|text| format!("Warning: {text}. ")).collect();
-    Ok(each.concat())
+pub(super) fn warnings_in_words(scene: &Scene, numbers: &Numbers) -> String {
+    warnings(scene, numbers).iter().map(|text| format!("Warning: {text}. ")).collect()
 }
 
 /// Returns the warnings and the guaranteed bounds of a scene in sentences with a space behind them; nothing if it has
 /// none.
-pub(super) fn bounds_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
-    let outcomes = drawn_outcomes(inputs, scene, scene.first_rule())?;
-    let warnings = warnings_in_words(inputs, scene)?;
-    let Some(bounds) = outcomes.last_bounds() else { return Ok(warnings) };
-    let [_, most] = bounds.error;
-    let mut reserves = String::from("Guaranteed");
-    for reserve in &outcomes.reserve {
-        reserves += match reserve {
-            Reserve::Polygon => ", on the polygon or polyhedron of the mesh",
-            Reserve::Quadrature => ", but for the quadrature of f",
-        };
-    }
-    let relative = match bounds.relative() {
-        part if part < 1.0 => format!(", {} of the solution", percent(part)),
-        _ => String::new(),
-    };
-    Ok(format!(
-        "{warnings}{reserves}: true energy in {}, error in the energy norm at most {}{relative}. ",
-        interval(bounds.energy),
-        plain(most, 4)
-    ))
+pub(super) fn bounds_in_words(scene: &Scene, numbers: &Numbers) -> String {
+    let guarantee = numbers.guarantee().filter(|_| scene.runs.is_none());
+    let sentence = guarantee.map(|of| format!("Guaranteed{}: {}. ", of.but, of.parts.join(", ")));
+    warnings_in_words(scene, numbers) + &sentence.unwrap_or_default()
 }
 
-/// Returns a part of one as a percentage, as `solve` writes it.
-pub(super) fn percent(part: f64) -> String {
-    let text = plain(100.0 * part, 3);
-    let text = text.strip_suffix(".00").unwrap_or(&text);
-    format!("{text} %")
+/// Guaranteed bounds that a picture of a scene has; none under a rule, which stops where it says.
+pub(super) fn bounds(scene: &Scene, numbers: &Numbers) -> Option<Bounds> {
+    numbers.bounds().filter(|_| scene.runs.is_none())
 }
 
 /// Returns the name, in a picture, of the solve of a scene under a rule with the r that is drawn.
@@ -412,25 +286,25 @@ pub(super) fn label(scene: &Scene, rule: Option<StopRule>) -> String {
 const MOST_NAMED: usize = 3;
 
 /// Returns lines on the solves of a scene that ended without a solution on the finest level, with a command that shows
-/// one of them, and on the warnings of the others; `outcomes` reads the [`OUTCOMES`] of a task, or returns `None` for a
+/// one of them, and on the warnings of the others; `artifact` reads the [`NUMBERS`] of a task, or returns `None` for a
 /// task that is not concerned.
-pub(crate) fn remarks(scene: &Scene, outcomes: impl Fn(&str) -> Option<Vec<u8>>) -> Vec<String> {
+pub(crate) fn remarks(scene: &Scene, artifact: impl Fn(&str) -> Option<Vec<u8>>) -> Vec<String> {
     let (mut ends, mut warned) = (BTreeMap::new(), Grouped::default());
     let mut command = None;
     for run in scene.rules().into_iter().flat_map(|rule| scene.runs(rule)) {
-        let Some(bytes) = outcomes(&id_of(scene, run)) else { continue };
-        let Ok(outcomes) = serde_json::from_slice::<Outcomes>(&bytes) else { continue };
+        let Some(bytes) = artifact(&id_of(scene, run)) else { continue };
+        let Ok(numbers) = serde_json::from_slice::<Numbers>(&bytes) else { continue };
         let (place, of_run) = named(scene, run);
-        if outcomes.no_solution(scene).is_some() {
-            let places: &mut Vec<String> = ends.entry(outcomes.end()).or_default();
+        if numbers.reason.is_some() {
+            let end = numbers.stop.unwrap_or_default();
+            let places: &mut Vec<String> = ends.entry(end).or_default();
             places.extend(place);
             command.get_or_insert(of_run);
             continue;
         }
-        let remedy = outcomes.remedy.iter().map(|remedy| format!("; {remedy}"));
-        let remedy = remedy.collect::<String>();
-        for (k, fact) in outcomes.warnings.iter().enumerate() {
-            let is_last = k + 1 == outcomes.warnings.len();
+        let remedy = numbers.remedy.map_or(String::new(), |remedy| format!("; {remedy}"));
+        for (k, fact) in numbers.warnings.iter().enumerate() {
+            let is_last = k + 1 == numbers.warnings.len();
             let text = format!("{fact}{}", if is_last { &remedy } else { "" });
             warned.add(text, place.clone().unwrap_or_default());
         }
@@ -488,8 +362,7 @@ pub(super) fn problem(inputs: &Inputs, scene: &Scene) -> Result<Problem, Failure
             let problem = statement.problem_on_bisected(mesh, &marks_of(marks)?);
             return Ok(problem.map_err(|e| e.to_string())?);
         }
-        let outcomes = drawn_outcomes(inputs, scene, None)?;
-        let cells = outcomes.levels.last().and_then(|level| level.cells);
+        let cells = drawn(inputs, scene, None)?.levels().last().and_then(|level| level.cells);
         statement.fineness = Fineness::Grids(cells.into_iter().collect());
     }
     Ok(mesh_files::problem(&statement, inputs.files)?)

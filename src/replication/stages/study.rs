@@ -1,6 +1,6 @@
 //! Tasks of a study: one for each member, the table of all, and its chart.
 
-use super::solve::{self, Recorder};
+use super::solve::{self, NUMBERS, Recorder};
 use super::{from_json, tabulate, to_json};
 use crate::figures::{Chart, Curve, Picture, Scale, Stroke, axes_alone, charts};
 use crate::pipeline::error::Error;
@@ -18,9 +18,6 @@ use serde_json::{Value, json};
 use signorini_mathematics::statement::Statement;
 use std::sync::atomic::AtomicBool;
 
-/// Artifact with the [`Numbers`] of a member.
-const NUMBERS: &str = "numbers.json";
-
 /// Returns the tasks of a study.
 pub(super) fn tasks(scene: &Scene) -> Vec<Task> {
     let mut tasks = Vec::new();
@@ -33,7 +30,7 @@ pub(super) fn tasks(scene: &Scene) -> Vec<Task> {
         tasks.push(Task::new(task, &asked, Vec::new(), AskedNumbers::made).with_files(files));
     }
     if scene.wants(Output::Table) {
-        tasks.extend(Tabulated::task(scene));
+        tasks.extend(StudyTable::task(scene));
     }
     tasks
 }
@@ -109,7 +106,7 @@ impl AskedNumbers {
 
 /// Study of a scene with this name.
 #[derive(Serialize, Deserialize)]
-struct Tabulated {
+struct StudyTable {
     name: String,
     study: Study,
 }
@@ -117,7 +114,7 @@ struct Tabulated {
 /// Most reasons, and most warnings, that stand below a table.
 const MOST_REMARKS: usize = 3;
 
-impl Tabulated {
+impl StudyTable {
     /// The task that makes the table of a study.
     fn task(scene: &Scene) -> Option<Task> {
         let study = Study { chart: None, ..scene.study.clone()? };
@@ -170,8 +167,8 @@ pub(crate) fn remarks(
         count += 1;
         let numbers = outcome(&task, NUMBERS);
         let numbers = numbers.and_then(|bytes| serde_json::from_slice::<Numbers>(&bytes).ok());
-        without += usize::from(numbers.as_ref().is_some_and(|of| of.reason().is_some()));
-        warned += usize::from(numbers.is_some_and(|of| !of.warnings().is_empty()));
+        without += usize::from(numbers.as_ref().is_some_and(|of| of.reason.is_some()));
+        warned += usize::from(numbers.is_some_and(|of| !of.warnings.is_empty()));
     }
     let says = match scene.wants(Output::Table) {
         true => format!("{}/{}", tabulate::FOLDER, tabulate::file(scene)),
@@ -204,11 +201,11 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
             curves.push((label, Vec::new()));
             curves.len() - 1
         });
-        let [x, y] = [0, 1].map(|axis| axes.value(axis, study, (member, &numbers)));
+        let [x, y] = axes.values(study, member, &numbers);
         // Numbers where a solver ended without a solution are none of a solution.
-        curves[place].1.extend(x.zip(y).filter(|_| numbers.reason().is_none()));
-        left_out += usize::from(x.zip(y).is_none() && numbers.reason().is_none());
-        reason = reason.or_else(|| numbers.reason().map(str::to_owned));
+        curves[place].1.extend(x.zip(y).filter(|_| numbers.reason.is_none()));
+        left_out += usize::from(x.zip(y).is_none() && numbers.reason.is_none());
+        reason = reason.or(numbers.reason);
     }
     for (_, points) in &mut curves {
         points.sort_by(|(one, _), (other, _)| one.total_cmp(other));
@@ -253,20 +250,19 @@ impl Axes {
         }
     }
 
-    /// Value of a member with its numbers on an axis; none if it has none there.
-    fn value(
-        &self,
-        axis: usize,
-        study: &Study,
-        (member, numbers): (&Member, &Numbers),
-    ) -> Option<f64> {
-        let (column, is_reciprocal) = of_axis(&self.columns[axis]);
-        let value =
-            match member.value(column).filter(|_| study.names.iter().any(|name| name == column)) {
+    /// Values of a member with its numbers across and up; none where it has none on the axis.
+    fn values(&self, study: &Study, member: &Member, numbers: &Numbers) -> [Option<f64>; 2] {
+        let columns = self.columns.each_ref().map(|column| of_axis(column));
+        let found = numbers.numbers(columns.map(|(column, _)| column));
+        [0, 1].map(|axis| {
+            let (column, is_reciprocal) = columns[axis];
+            let is_varied = study.names.iter().any(|name| name == column);
+            let value = match member.value(column).filter(|_| is_varied) {
                 Some(value) => value.number(),
-                None => numbers.number(column),
+                None => found[axis],
             };
-        let value = value.map(|value| if is_reciprocal { 1.0 / value } else { value });
-        value.filter(|value| value.is_finite() && (*value > 0.0 || !self.log[axis]))
+            let value = value.map(|value| if is_reciprocal { 1.0 / value } else { value });
+            value.filter(|value| value.is_finite() && (*value > 0.0 || !self.log[axis]))
+        })
     }
 }

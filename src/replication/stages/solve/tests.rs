@@ -40,9 +40,8 @@ fn problems_with_an_accuracy_are_read_on_the_levels_that_reached_it() {
     for text in ACCURATE {
         with_solved(text, |inputs, scene| {
             let problem = problem(inputs, scene).unwrap();
-            let outcomes = drawn_outcomes(inputs, scene, None).unwrap();
             let [nodes, _] = problem.lengths();
-            assert_eq!(nodes, outcomes.levels.last().unwrap().nodes);
+            assert_eq!(drawn(inputs, scene, None).unwrap().nodes, Some(nodes));
             assert_eq!(pair(inputs, scene, None, &problem).unwrap().y.len(), nodes);
         });
     }
