@@ -107,7 +107,7 @@ fn the_general_formulas_on_the_papers_triangulation_give_every_count() {
     for name in ["problem1", "problem2"] {
         let scene = project.scene(name).unwrap();
         let mut rows = Vec::new();
-        for &r in scene.r() {
+        for &r in &scene.r() {
             let (grids, prolongation) = (&scene.grids()[..], Prolongation::Bilinear);
             let levels = NestedGrids { grids, prolongation };
             let (mut pair, mut counts, mut delta_a) = (Pair::zero(scene.grids()[0]), vec![], 0.0);
