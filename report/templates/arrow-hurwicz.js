@@ -1,4 +1,4 @@
-// The paper's iteration in JavaScript: the mathematics of the page explore.html, without the page.
+// The paper's iteration in JavaScript: the mathematics of the page tables.html, without the page.
 //
 // With f at the nodes it does the same floating-point operations in the same order as
 // src/mathematics/src/saddle, so that counts, and the last bit of every number, are those of the tables.

@@ -61,7 +61,7 @@
   }
 
   // A link says what to show, not after a #, which the page for printing keeps for places of its own:
-  // explore.html?problem=2&r=1&load=exact&rule=printed&finest=32. What a control does not offer changes nothing, and is
+  // tables.html?problem=2&r=1&load=exact&rule=printed&finest=32. What a control does not offer changes nothing, and is
   // named.
   function readAddress() {
     const query = new URLSearchParams(location.search);

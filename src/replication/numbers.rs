@@ -1,9 +1,9 @@
 //! Numbers of a solution: a row of the table of a study.
 
-use crate::replication::columns::{END, STOP};
+use crate::replication::columns::{END, STOP, shown};
 use crate::replication::record::Record;
 use crate::replication::record::advice::Warning;
-use crate::replication::record::details::details;
+use crate::replication::record::details::{details, settings};
 use crate::replication::record::levels::LevelNumbers;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -32,6 +32,8 @@ pub(crate) struct Numbers {
     pub(crate) v_greatest: Option<f64>,
     /// Length of the boundary in contact, with ends within the cell; in space the area of the nodes in contact.
     pub(crate) contact_length: Option<f64>,
+    /// Distance within which the length of a true solution lies, as estimated.
+    pub(crate) contact_length_error: Option<f64>,
     /// Contact force: the flux through the boundary where the law holds.
     pub(crate) force: Option<f64>,
     pub(crate) nodes: Option<usize>,
@@ -84,6 +86,7 @@ impl Numbers {
             v_least: last.map(|last| last.range[0]),
             v_greatest: last.map(|last| last.range[1]),
             contact_length: Some(solved.contact_length()),
+            contact_length_error: solved.contact_length_error(),
             force: Some(solved.force()),
             nodes: last.map(|last| last.nodes),
             iterations: last.map(|last| last.end.iterations).or(truth.map(|found| found.steps)),
@@ -118,19 +121,37 @@ impl Numbers {
         Bounds::deserialize(self.details.get("bound")?).ok()
     }
 
+    /// True if the energy is that of the true solution, or the number of its bracket that is nearest to that of v.
+    pub(crate) fn has_true_energy(&self) -> bool {
+        self.solver == Solver::Spectral.to_string()
+            || self.details.contains_key("energy_of_linear_v")
+    }
+
+    /// The energy with so many digits, a true one with those of them that are known; nothing without one.
+    pub(crate) fn shown_energy(&self, digits: usize) -> String {
+        self.shown([("energy", digits)]).concat()
+    }
+
+    /// The numbers in columns, each with so many digits, those of a true solution with those of them that are known;
+    /// nothing where there is none.
+    pub(crate) fn shown<const N: usize>(&self, columns: [(&str, usize); N]) -> [String; N] {
+        let (all, is_true) = (self.json(), self.has_true_energy());
+        columns.map(|column| {
+            shown(column, is_true, |name| all.get(name)?.as_f64()).unwrap_or_default()
+        })
+    }
+
     /// Guaranteed bounds in words; none where there are none.
     pub(crate) fn guarantee(&self) -> Option<Guarantee> {
         let bounds = self.bounds()?;
         let in_space = self.details.get("dimension").is_some_and(|number| *number == 3);
         let domain = if in_space { "polyhedron" } else { "polygon" };
-        let is_left_out =
-            |what: Reserve| self.reserve.as_ref().is_some_and(|of| of.contains(what.name()));
         let mut but = String::new();
-        if is_left_out(Reserve::Polygon) {
-            but += &format!(", on the {domain}");
-        }
-        if is_left_out(Reserve::Quadrature) {
-            but += ", but for the quadrature of f";
+        for reserve in self.reserve.iter().flat_map(|names| names.rsplit(' ')) {
+            but += &match reserve == Reserve::Polygon.name() {
+                true => format!(", on the {domain}"),
+                false => ", but for the quadrature of f".into(),
+            };
         }
         let [least, most] = bounds.error;
         let range = match least > 0.0 {
@@ -179,6 +200,17 @@ impl Numbers {
         }
     }
 
+    /// Answer to a statement in JSON: all columns, all details, and the settings with which it was found on levels.
+    pub(crate) fn answer(&self, statement: &Statement) -> Map<String, Value> {
+        let mut answer = self.json();
+        if answer.contains_key("unknowns") {
+            let settings = settings(statement).into_iter();
+            let settings: Map<_, _> = settings.map(|(name, of)| (name.to_owned(), of)).collect();
+            answer.insert("settings".into(), settings.into());
+        }
+        answer
+    }
+
     /// Values in some columns, null where there is none.
     pub(crate) fn values<'a>(&self, columns: &[&'a str]) -> Vec<(&'a str, Value)> {
         let mut all = self.json();
@@ -197,7 +229,7 @@ impl Numbers {
 
 /// Guaranteed bounds in words.
 pub(crate) struct Guarantee {
-    /// What they leave out; empty if nothing.
+    /// Approximations that they leave out; empty if there are none.
     pub(crate) but: String,
     /// Bracket of the energy, bound of the error, and on a curved domain the energy beside it.
     pub(crate) parts: Vec<String>,

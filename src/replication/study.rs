@@ -1,6 +1,6 @@
 //! Studies: scenes whose members have other values of some fields, or of names in f.
 
-use crate::replication::columns::{COLUMNS, END, STOP};
+use crate::replication::columns::{COLUMNS, END, STOP, beside};
 use crate::replication::fields::keys::{AxisName, ChartFields};
 use crate::replication::fields::lists::repeated;
 use crate::replication::fields::member::{Member, Varying, in_words};
@@ -128,7 +128,10 @@ impl Study {
     fn tabulated(&self) -> Vec<&'static str> {
         let mut columns = self.found();
         columns.retain(|column| {
-            self.columns.is_empty() || ALWAYS.contains(column) || self.shows(column)
+            self.columns.is_empty()
+                || ALWAYS.contains(column)
+                || self.shows(column)
+                || self.columns.iter().any(|shown| beside(shown).contains(column))
         });
         columns
     }

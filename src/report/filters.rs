@@ -9,6 +9,10 @@ pub(super) fn register(tera: &mut Tera) {
     tera.register_filter("sci", |x: f64, kwargs: Kwargs, _: &State| -> TeraResult<String> {
         Ok(number(scientific(x, precision(&kwargs, "digits", 2)?), x))
     });
+    // A number in words with the digits that it has.
+    tera.register_filter("decimal", |text: String, _: Kwargs, _: &State| {
+        with_digits(&math(&decimal(&text)), &text)
+    });
     tera.register_filter("num", |x: f64, kwargs: Kwargs, _: &State| equation(kwargs, plain(x), x));
     tera.register_filter("times", |x: f64, _: Kwargs, _: &State| number(factor(x), x));
     tera.register_filter("ratio", |x: f64, _: Kwargs, _: &State| number(ratio(x), x));
@@ -92,6 +96,14 @@ fn equation(kwargs: Kwargs, latex: String, x: f64) -> TeraResult<String> {
     })
 }
 
+/// Returns a decimal such as `-1.5e-7` in LaTeX.
+fn decimal(text: &str) -> String {
+    match text.split_once('e') {
+        Some((mantissa, exponent)) => format!(r"{mantissa} \cdot 10^{{{exponent}}}"),
+        None => text.into(),
+    }
+}
+
 /// Returns x with this number of significant digits, with a power of ten where that is shorter, as in the paper's last
 /// column.
 ///
@@ -111,7 +123,7 @@ fn scientific(x: f64, digits: usize) -> String {
             format!("{x:.places$}")
         }
         _ if format!("1e{exponent}").parse() == Ok(x) => format!("10^{{{exponent}}}"),
-        _ => format!(r"{mantissa} \cdot 10^{{{exponent}}}"),
+        _ => decimal(&text),
     }
 }
 
@@ -186,6 +198,7 @@ mod tests {
         assert_eq!(scientific(9.96e-4, 2), r"1.0 \cdot 10^{-3}");
         assert_eq!(scientific(1e-5, 2), "10^{-5}");
         assert_eq!(scientific(4.208e-2, 4), r"4.208 \cdot 10^{-2}");
+        assert_eq!([decimal("-1.50"), decimal("-2.0e-7")], ["-1.50", r"-2.0 \cdot 10^{-7}"]);
         assert_eq!((scientific(0.0, 2).as_str(), scientific(4.2, 2).as_str()), ("0", "4.2"));
         assert_eq!((plain(1e6).as_str(), plain(0.5).as_str()), ("10^{6}", "0.5"));
         assert_eq!(plain(0.03750000000003612), "0.0375");

@@ -148,14 +148,15 @@ mod tests {
 
     #[test]
     fn figures_and_tables_are_numbered_by_chapter() {
-        let summary =
-            "# Summary\n\n[Z](z.md)\n\n- [A](a.md)\n\n# Part\n\n- [B](b.md)\n  - [C](c.md)\n";
+        let summary = "# Summary\n\n[Z](z.md)\n\n- [A](a.md)\n\n# Part\n\n- [B](b.md)\n  - [C](c.md)\n\n[D](d.md)\n";
         let z =
             "<figure id=\"figure-z\">\n</figure>\n\n```text\n<figure id=\"figure-code\">\n```\n";
         let a = "<figure id=\"table-a\" class=\"table\">\n</figure>\n\n<figure id=\"figure-a\">\n</figure>\n";
         let b = "<figure id=\"figure-b\">\n</figure>\n\n<figure id=\"figure-b2\">\n</figure>\n";
         let c = "<figure id=\"figure-c\">\n</figure>\n";
-        let pages = [("src/a.md", a), ("src/b.md", b), ("src/c.md", c), ("src/z.md", z)];
+        let d = "<figure id=\"table-d\" class=\"table\">\n</figure>\n";
+        let pages =
+            [("src/a.md", a), ("src/b.md", b), ("src/c.md", c), ("src/d.md", d), ("src/z.md", z)];
         let labels = of(&[&[(SUMMARY, summary)], &pages[..]].concat()).unwrap();
         let link = |target| labels.link("src/z.md", target).unwrap().unwrap();
         assert_eq!(link("figure:z"), "[Figure 0.1](<z.md#figure-z>)");
@@ -163,6 +164,7 @@ mod tests {
         assert_eq!(link("table:a"), "[Table 1.1](<a.md#table-a>)");
         assert_eq!(link("figure:b2"), "[Figure 2.2](<b.md#figure-b2>)");
         assert_eq!(link("figure:c"), "[Figure 2.1.1](<c.md#figure-c>)");
+        assert_eq!(link("table:d"), "[Table A.1](<d.md#table-d>)");
         assert!(labels.link("src/z.md", "figure:code").unwrap().is_err());
     }
 

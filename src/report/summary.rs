@@ -10,7 +10,8 @@ pub(super) const SUMMARY: &str = "src/SUMMARY.md";
 pub(super) struct ListedPage {
     /// Path among the pages.
     pub path: String,
-    /// Number that mdBook gives to the chapter, such as `5.1`; `0` without one.
+    /// Number that mdBook gives to the chapter, such as `5.1`; without one `0`, or behind the chapters a letter, of an
+    /// appendix.
     pub number: String,
 }
 
@@ -22,6 +23,7 @@ pub(super) fn listed(summary: &str) -> Result<Vec<ListedPage>, String> {
     let (mut listed, mut depth) = (Vec::new(), 0);
     // Numbers of the chapter and of those in which it is. The first goes on after the title of a part.
     let mut numbers: Vec<usize> = Vec::new();
+    let mut appendices = 'A'..='Z';
     for (event, range) in parse(summary) {
         match event {
             Event::Start(Tag::List(_)) => depth += 1,
@@ -35,7 +37,11 @@ pub(super) fn listed(summary: &str) -> Result<Vec<ListedPage>, String> {
                 let path =
                     page(&dest_url).map_err(|why| format!("{place}: `{dest_url}` is {why}"))?;
                 let texts: Vec<String> = numbers.iter().map(usize::to_string).collect();
-                let number = if depth == 0 { "0".into() } else { texts.join(".") };
+                let number = match depth {
+                    0 if numbers.is_empty() => "0".into(),
+                    0 => appendices.next().map_or_else(String::new, String::from),
+                    _ => texts.join("."),
+                };
                 listed.push(ListedPage { path, number });
             }
             _ => {}

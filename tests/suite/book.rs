@@ -183,7 +183,7 @@ fn the_data_behind_a_table_are_that_table() {
             tables += 1;
         }
     }
-    assert!(tables > 30, "{tables}");
+    assert!(tables > 20, "{tables}");
     // Digits are those of the run, not those that the page shows.
     let sums = String::from_utf8(book["data/sums.csv"].clone()).unwrap();
     assert!(sums.lines().nth(1).unwrap().split(',').any(|cell| cell.len() > 12), "{sums}");
@@ -222,7 +222,7 @@ fn the_search_finds_how_to_cite_and_the_licence() {
 fn columns_of_data_are_numbers_or_text() {
     let book = files();
     let data: Vec<_> = book.iter().filter(|(name, _)| name.ends_with(".csv")).collect();
-    assert!(data.iter().filter(|(name, _)| name.starts_with("data/")).count() > 30);
+    assert!(data.iter().filter(|(name, _)| name.starts_with("data/")).count() > 20);
     for (name, bytes) in data {
         // A row of another length than the header would be refused.
         let options = CsvReadOptions::default().with_infer_schema_length(None);
@@ -245,10 +245,12 @@ fn columns_of_data_are_numbers_or_text() {
 }
 
 #[test]
-fn the_python_of_the_page_on_data_runs() {
-    let page = fs::read_to_string(book().join("../src/data.md")).unwrap();
-    let programs: Vec<&str> =
-        page.split("```python\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
+fn the_python_of_the_page_on_files_runs() {
+    let page = fs::read_to_string(book().join("../src/fields.md")).unwrap();
+    let (_, program) = page.split_once("```python\n").unwrap();
+    let (program, rest) = program.split_once("```").unwrap();
+    let (_, shown) = rest.split_once("```text\n").unwrap();
+    let (shown, _) = shown.split_once("```").unwrap();
     let folder = tempfile::tempdir().unwrap();
     for (name, bytes) in files() {
         if name.starts_with("data/") || name == "results.csv" {
@@ -258,30 +260,16 @@ fn the_python_of_the_page_on_data_runs() {
         }
     }
     let python = |program: &str| {
-        let mut command = Command::new("python3");
-        command.args(["-c", program]).current_dir(folder.path()).env("MPLBACKEND", "Agg").output()
+        Command::new("python3").args(["-c", program]).current_dir(folder.path()).output()
     };
-    for (program, modules) in
-        programs.into_iter().zip(["import numpy, polars", "import numpy, matplotlib"])
-    {
-        if !python(modules).is_ok_and(|found| found.status.success()) {
-            // Not `skip`: what a reader may use must not be needed to test the program.
-            let _ = writeln!(std::io::stderr(), "SKIPPED: `{modules}` in python3");
-            continue;
-        }
-        let said = python(program).unwrap();
-        assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
-        let text = String::from_utf8(said.stdout).unwrap();
-        if modules.contains("polars") {
-            assert!(text.starts_with("50 of 50 counts as published\n"), "{text}");
-            assert!(
-                text.contains("problem2-solution greatest v: 1.0 contact force: 0.0015"),
-                "{text}"
-            );
-        } else {
-            assert!(fs::read(folder.path().join("figure2.png")).unwrap().len() > 10_000);
-        }
+    if !python("import numpy, polars").is_ok_and(|found| found.status.success()) {
+        // Not `skip`: what a reader may use must not be needed to test the program.
+        let _ = writeln!(std::io::stderr(), "SKIPPED: numpy and polars in python3");
+        return;
     }
+    let said = python(program).unwrap();
+    assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));
+    assert_eq!(String::from_utf8(said.stdout).unwrap(), shown);
 }
 
 /// The files of the book by their path in it, without pages that other tests put beside its own.

@@ -193,7 +193,7 @@ fn notes(browser: &Path, book: &Path, query: &str, act: &str) -> Vec<Value> {
 /// milliseconds of its own time.
 fn opened(browser: &Path, book: &Path, query: &str, script: &str, budget: u32) -> String {
     static OPENED: AtomicUsize = AtomicUsize::new(0);
-    let source = fs::read_to_string(book.join("explore.html")).unwrap();
+    let source = fs::read_to_string(book.join("tables.html")).unwrap();
     // Beside the page itself, so that all it loads is where it expects it.
     let number = OPENED.fetch_add(1, Ordering::Relaxed);
     let page = book.join(format!("explore-test-{number}.html"));
@@ -211,7 +211,7 @@ fn in_node(book: &Path) -> Option<String> {
 const fs = require("fs"), book = process.argv[1];
 const script = ["right-hand-side.js", "arrow-hurwicz.js"]
   .map((name) => fs.readFileSync(book + "/" + name, "utf8")).join("");
-const page = fs.readFileSync(book + "/explore.html", "utf8");
+const page = fs.readFileSync(book + "/tables.html", "utf8");
 const data = /class="explore-data">([^]*?)<\/script>/.exec(page)[1];
 const { allCells } = new Function(script + "; return signorini")();
 const text = (_, v) => (typeof v === "number" ? String(v) : v);

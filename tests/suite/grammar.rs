@@ -176,7 +176,7 @@ fn different_loads(text: &str, page: &Value) -> String {
 
 #[test]
 fn the_page_loads_the_script_that_is_tested() {
-    let page = include_str!("../../report/templates/explore.md.tera");
+    let page = include_str!("../../report/templates/tables.md.tera");
     let [f, method] = ["right-hand-side.js", "arrow-hurwicz.js"]
         .map(|name| page.find(&format!("<script src=\"{name}\">")).expect(name));
     assert!(f < method, "the method needs f");

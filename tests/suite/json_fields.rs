@@ -49,40 +49,49 @@ fn fields_of(answers: &[Value]) -> Fields {
     fields
 }
 
-/// Fields in the rows of a table of the book, whose first cell names the command if `command` is one.
-fn documented(table: &str, command: Option<&str>) -> Fields {
+/// Fields in the rows of a table of the book of which one column, the first or the second, names this command or form
+/// of an answer.
+fn documented(table: &str, [column, fields]: [usize; 2], of: &str) -> Fields {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/report/templates/fields.md.tera");
     let page = fs::read_to_string(path).unwrap();
     let (_, table) = page.split_once(&format!("table name=\"{table}\"")).unwrap();
     let (table, _) = table.split_once("{% </table> %}").unwrap();
-    let mut fields = Fields::new();
+    let mut found = Fields::new();
     for row in table.lines().filter(|line| line.starts_with("| `")) {
-        let mut cells = row.trim_matches('|').split('|').map(str::trim);
-        if let Some(command) = command {
-            let commands = cells.next().unwrap();
-            if !commands.split(", ").any(|name| name.trim_matches('`') == command) {
-                continue;
-            }
-        }
-        let mut paths = vec![String::new()];
-        for names in cells.next().unwrap().split(": ") {
-            let mut longer = Vec::new();
-            for path in &paths {
-                for name in names.split(", ") {
-                    let name = name.strip_prefix('`').and_then(|name| name.strip_suffix('`'));
-                    let name = name.unwrap_or_else(|| panic!("{row}"));
-                    longer.push(if path.is_empty() {
-                        name.to_owned()
-                    } else {
-                        format!("{path}: {name}")
-                    });
-                }
-            }
-            fields.extend(longer.iter().cloned());
-            paths = longer;
+        let cells: Vec<&str> = row.trim_matches('|').split('|').map(str::trim).collect();
+        if cells[column].split(", ").any(|name| name.trim_matches('`') == of) {
+            found.extend(paths(cells[fields]));
         }
     }
-    fields
+    found
+}
+
+/// Paths of the fields in a cell, as `` `a`: `b`, `c` ``.
+fn paths(cell: &str) -> Fields {
+    let (mut found, mut paths) = (Fields::new(), vec![String::new()]);
+    for names in cell.split(": ") {
+        let mut longer = Vec::new();
+        for path in &paths {
+            for name in names.split(", ") {
+                let name = name.strip_prefix('`').and_then(|name| name.strip_suffix('`'));
+                let name = name.unwrap_or_else(|| panic!("{cell}"));
+                longer.push(if path.is_empty() { name.into() } else { format!("{path}: {name}") });
+            }
+        }
+        found.extend(longer.iter().cloned());
+        paths = longer;
+    }
+    found
+}
+
+/// Fields of an answer that the book has for a form: `J`, `S` or `R`.
+fn of_answers(form: &str) -> Fields {
+    documented("fields", [1, 0], form)
+}
+
+/// Fields that the book has for the JSON of a command.
+fn of_command(command: &str) -> Fields {
+    documented("json", [0, 1], command)
 }
 
 /// Requires the same fields in answers and in the book.
@@ -140,7 +149,10 @@ fn each_field_of_solve_has_a_line_in_the_book_and_each_line_a_field() {
     for more in others {
         answers.push(project.run(&[&["solve", "--json"], more].concat()).json());
     }
-    agree(&answers, &documented("solve-json", None));
+    let mut known = of_answers("J");
+    // Of members of studies alone.
+    assert!(known.remove("varied"));
+    agree(&answers, &known);
     // A field that is null says why.
     for answer in &answers {
         for name in ["bound", "contact", "grids"] {
@@ -155,21 +167,21 @@ fn each_field_of_other_commands_has_a_line_in_the_book_and_each_line_a_field() {
     project.scene("broken", "title = 1\n");
     let list = project.run(&["list", "--json"]).json();
     assert_eq!(list["broken"].as_array().unwrap().len(), 1);
-    agree(&[list], &documented("json", Some("list")));
+    agree(&[list], &of_command("list"));
     fs::remove_file(project.path("pipeline/scenes/broken.toml")).unwrap();
 
-    agree(&[project.run(&["dag", "--json"]).json()], &documented("json", Some("dag")));
+    agree(&[project.run(&["dag", "--json"]).json()], &of_command("dag"));
     let never = project.run(&["status", "--json"]).json();
     let explained = project.run(&["explain", "solve", "--json"]).json();
-    agree(&[project.run(&["diff", "--json"]).json(), capped()], &documented("json", Some("diff")));
+    agree(&[project.run(&["diff", "--json"]).json(), capped()], &of_command("diff"));
     project.run(&["run"]).lines();
     let fresh = project.run(&["status", "--json"]).json();
     project.scene("a", &format!("paper_table = 1\n{}", TABLE.replace("else=-1", "else=-2")));
     let changed = project.run(&["status", "--json"]).json();
-    agree(&[never, fresh, changed], &documented("json", Some("status")));
+    agree(&[never, fresh, changed], &of_command("status"));
     let changed = project.run(&["explain", "solve", "--json"]).json();
     let waits = project.run(&["explain", "tabulate", "--json"]).json();
-    agree(&[explained, changed, waits], &documented("json", Some("explain")));
+    agree(&[explained, changed, waits], &of_command("explain"));
 }
 
 /// Answer of `diff` to a table with a count that was cut off.
@@ -178,4 +190,19 @@ fn capped() -> Value {
     let project = Project::with(&scene);
     project.write("pipeline/paper.toml", PAPER);
     project.run(&["diff", "--json"]).json()
+}
+
+#[test]
+fn each_column_of_studies_and_results_has_a_line_in_the_book_and_each_line_a_column() {
+    let project = Project::with(TABLE);
+    project.add_book("# One\n");
+    project.run(&["run"]).lines();
+    let study = ["solve", "--f", "else=-1", "--vary", "h=4,8", "--csv", "s.csv"];
+    project.run(&study).lines();
+    for (form, file) in [("R", "report/results.csv"), ("S", "s.csv")] {
+        let text = fs::read_to_string(project.path(file)).unwrap();
+        let header = text.lines().next().unwrap().split(',').map(str::to_owned);
+        let columns: Fields = header.filter(|name| form == "R" || name != "h").collect();
+        assert_eq!(columns, of_answers(form), "{form}");
+    }
 }

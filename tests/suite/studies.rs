@@ -27,7 +27,7 @@ fn four() -> Project {
 /// Rows of the table of a study in CSV, each with its cells by column.
 fn rows(project: &Project, file: &str) -> Vec<Value> {
     let text = fs::read_to_string(project.path(file)).unwrap();
-    let mut lines = text.lines().map(|line| line.splitn(24, ',').map(str::to_owned));
+    let mut lines = text.lines().map(|line| line.splitn(25, ',').map(str::to_owned));
     let head: Vec<String> = lines.next().unwrap().collect();
     let rows = lines.map(|cells| head.iter().cloned().zip(cells.map(Value::from)).collect());
     rows.collect()
@@ -139,9 +139,12 @@ fn a_list_of_tables_is_one_product_after_the_other() {
         columns = [\"friction\", \"energy\"]";
     let project = with(F, lines);
     project.run(&["run", "s"]).lines();
-    // Beside what is varied, the columns that are wanted alone.
+    // Beside what is varied, the columns that are wanted alone, with what bounds them.
     let csv = fs::read_to_string(project.path("report/tables/s.csv")).unwrap();
-    assert!(csv.starts_with("friction,h,energy,warnings,reason\n"), "{csv}");
+    assert!(
+        csv.starts_with("friction,h,energy,energy_lower,energy_upper,warnings,reason\n"),
+        "{csv}"
+    );
     let pairs: Vec<_> = rows(&project, "report/tables/s.csv")
         .iter()
         .map(|row| format!("{} {}", row["friction"].as_str().unwrap(), row["h"].as_str().unwrap()))

@@ -118,3 +118,17 @@ fn values_at_nodes_are_those_of_finite_elements() {
         assert!(rim.clone().count() == 32 && rim.into_iter().all(|k| values[k] >= 0.0));
     }
 }
+
+#[test]
+fn energies_of_the_book_have_the_digits_that_both_ends_of_their_brackets_share() {
+    let truths = &findings()["plane_truths"];
+    for row in truths.iter() {
+        let digits: Vec<char> = text(row, "energy")
+            .chars()
+            .filter(char::is_ascii_digit)
+            .skip_while(|&c| c == '0')
+            .collect();
+        let known = -libm::log10(number(row, "bracket"));
+        assert!((known - 3.0..=known + 1.0).contains(&(digits.len() as f64)), "{row:?}");
+    }
+}

@@ -1,6 +1,6 @@
 //! One answer in all voices: `solve`, a study, a scene that is run, and Python say the same warnings, failure and remedy.
 
-use crate::common::{Dice, Project, TABLE};
+use crate::common::{Dice, Project, TABLE, number};
 use crate::studies::python;
 use serde_json::{Value, json};
 use signorini_mathematics::problem::text::plain;
@@ -490,4 +490,52 @@ fn python_says_what_is_wrong_and_returns_what_is_reached() {
         "{}",
         String::from_utf8_lossy(&output.stderr)
     );
+}
+
+#[test]
+fn digits_of_a_true_energy_are_those_that_both_ends_of_its_bracket_share() {
+    // Rounding leaves five: the ends are -0.9633427 and -0.9633395.
+    let f = "halfplane(1,0.3,-1.2999999999)=4000; else=-3";
+    let shared = "-0.96334";
+    let asked = ["--domain", "lshape", "--f", f, "--solver", "spectral"];
+    let project = Project::with(TABLE);
+    let solved = project.run(&[&["solve"], &asked[..]].concat());
+    assert_eq!(solved.lines()[1], format!("energy {shared}"));
+    let keys = format!(
+        "title = \"t\"\nf = \"{f}\"\ndomain = {{ name = \"lshape\" }}\nsolver = \"spectral\"\noutputs = [\"table\"]\n"
+    );
+    project.scene("one", &keys);
+    project.scene(
+        "both",
+        &format!(
+            "{}vary = {{ q = [4000, 2000] }}\ncolumns = [\"energy\"]\n",
+            keys.replace("4000", "$q")
+        ),
+    );
+    project.run(&["run"]).lines();
+    for (name, rows, plus) in [("one", 1, "energy_lower,"), ("both", 2, "contact_length,")] {
+        let read = |ending: &str| {
+            fs::read_to_string(project.path(&format!("report/tables/{name}.{ending}"))).unwrap()
+        };
+        assert_eq!(read("md").matches(&format!(" {shared} ")).count(), rows, "{}", read("md"));
+        assert_eq!(read("tex").matches(&format!("${shared}$")).count(), rows, "{}", read("tex"));
+        assert!(read("csv").contains("energy,energy_lower,energy_upper,"), "{}", read("csv"));
+        assert_eq!(read("csv").contains(plus), name == "one", "{}", read("csv"));
+    }
+    let of_members = project.run(&["solve", "both"]);
+    assert_eq!(of_members.out.matches(&format!("  {shared}  ")).count(), 2, "{of_members:?}");
+}
+
+#[test]
+fn an_energy_that_was_asked_for_has_the_digits_of_its_accuracy() {
+    let project = Project::with(TABLE);
+    let solved = project.run(&["solve", "--f", "else=-1", "--accuracy-energy", "1e-3"]);
+    let json =
+        project.run(&["solve", "--f", "else=-1", "--accuracy-energy", "1e-3", "--json"]).json();
+    let [low, high] = [0, 1].map(|end| number(&json["bound"]["energy"][end]));
+    let lines = solved.lines();
+    let shown = lines[1].strip_prefix("energy ").unwrap();
+    let half = 0.5 * 10f64.powi(-(shown.len() as i32 - 3));
+    let value: f64 = shown.parse().unwrap();
+    assert!([low, high].iter().all(|end| (end - value).abs() <= half), "{shown}: {low} {high}");
 }

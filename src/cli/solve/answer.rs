@@ -18,7 +18,7 @@ use signorini_mathematics::mesh::PointValue;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::text::{Written, plain};
 use signorini_mathematics::saddle::Pair;
-use signorini_mathematics::solvers::{Reached, Run, Solved, Solver};
+use signorini_mathematics::solvers::{Run, Solved, Solver};
 
 /// Digits of an energy, unless more are asked for.
 const DIGITS: usize = 7;
@@ -64,13 +64,13 @@ impl Answer {
 
     /// Returns the energy that answers and, if it is another, that of v.
     fn energy_in_words(&self, request: &Request, run: &Run) -> String {
+        let of_v = run.last().energy;
         let digits = match request.statement.accuracy() {
-            Some(Accuracy::Energy(wanted)) => DIGITS.max(2 + (-libm::log10(wanted)) as usize),
+            Some(Accuracy::Energy(_)) => 16,
             _ => DIGITS,
         };
-        let (energy, of_v) = (self.solved.energy(), run.last().energy);
-        let mut text = format!("energy {}\n", plain(energy, digits));
-        if energy != of_v {
+        let mut text = format!("energy {}\n", self.numbers.shown_energy(digits));
+        if self.solved.energy() != of_v {
             text += &format!("energy of the linear v {}\n", plain(of_v, DIGITS));
         }
         text
@@ -78,7 +78,7 @@ impl Answer {
 
     /// Returns the answer in JSON, with what belongs to this command alone.
     pub(super) fn json(&self, request: &Request) -> Value {
-        let mut json = self.numbers.json();
+        let mut json = self.numbers.answer(&request.statement);
         json.insert("schema".into(), 1.into());
         json.insert("scene".into(), json!(request.name));
         json.insert("seconds".into(), request.clock.json());
@@ -154,7 +154,7 @@ impl Answer {
             };
         }
         text.push('\n');
-        text += &bound::boundary(&self.solved, 6);
+        text += &bound::boundary(&self.solved);
         if load_misses(problem, last) {
             let minus_sum = plain(0.0 - last.sum_load, 6);
             text += &format!("minus the sum of the load {minus_sum}\n");
@@ -167,11 +167,11 @@ impl Answer {
         let (problem, solver) = (&self.solved.problem, request.statement.solver);
         let mut settings = vec![format!("solver {solver}")];
         settings.extend((run.solver != solver).then(|| format!("then {}", run.solver)));
-        settings.extend(match details::way(&self.solved) {
+        settings.extend(match self.solved.way() {
             Some(way) => Some(format!("{} {} meshes", way.tried, way.kind())),
             None => request.refined(problem.finest()),
         });
-        for (name, value) in details::settings(&request.statement, problem.law()) {
+        for (name, value) in details::settings(&request.statement) {
             settings.push(match (value.as_str(), value.as_f64()) {
                 (Some(text), _) => format!("{name} {text}"),
                 (None, Some(number)) => format!("{name} {}", Written(number)),
@@ -194,8 +194,9 @@ impl Answer {
 
     /// Returns the end of the way to an accuracy on meshes, the last with so many nodes.
     fn end_of_meshes(&self, nodes: usize) -> Option<String> {
-        let Reached { tried, end, .. } = details::way(&self.solved)?;
-        Some(format!("{tried} meshes, the last of {nodes} nodes: {}\n", reason(*end)))
+        let way = self.solved.way()?;
+        let (tried, reason) = (way.tried, reason(way.end));
+        Some(format!("{tried} meshes, the last of {nodes} nodes: {reason}\n"))
     }
 
     fn table(&self, request: &Request, Run { ends, .. }: &Run) -> String {
@@ -213,7 +214,7 @@ impl Answer {
             let mut row = vec![
                 outcome.label(),
                 outcome.end.iterations.to_string(),
-                match details::way(&self.solved) {
+                match self.solved.way() {
                     Some(_) => outcome.end.stop.name().to_owned(),
                     None => outcome.name().to_owned(),
                 },

@@ -3,11 +3,11 @@
 use crate::replication::numbers::{Numbers, with_share};
 use crate::replication::record::{CONTACT_FORCE, FLUX};
 use signorini_mathematics::discrete::contact::ContactArc;
-use signorini_mathematics::problem::text::{plain, shared};
+use signorini_mathematics::problem::text::{known, plain};
 use signorini_mathematics::solvers::Solved;
 
-/// Returns the bounds of an answer as text, with that of the recovered solution if it is `recovered`; a warning says why
-/// there are none.
+/// Returns the bounds of an answer as text, with that of the recovered solution if it is `recovered`; a warning says
+/// why there are none.
 pub(super) fn text(numbers: &Numbers, recovered: bool) -> String {
     let Some((bounds, guarantee)) = numbers.bounds().zip(numbers.guarantee()) else {
         return String::new();
@@ -21,10 +21,17 @@ pub(super) fn text(numbers: &Numbers, recovered: bool) -> String {
     format!("guaranteed{}:{line} {}\n", guarantee.but, parts.join(",\n  "))
 }
 
-/// Returns, as text, the arcs at zero, and the total flux beside minus the integral of f, which are equal at the solution
-/// unless a part is fixed.
-pub(super) fn boundary(solved: &Solved, digits: usize) -> String {
+/// Digits of numbers of a true solution without bounds, as many as the solver says that it has, and of others.
+pub(super) const TEN: usize = 10;
+const SIX: usize = 6;
+
+/// Returns, as text, the arcs at zero, and the total flux beside minus the integral of f, which are equal at the
+/// solution unless a part is fixed.
+pub(super) fn boundary(solved: &Solved) -> String {
     let (problem, law) = (&solved.problem, solved.problem.law());
+    let rounding = problem.levels().facts().rounding();
+    let error = solved.truth().map(|found| found.unbalanced.max(rounding));
+    let digits = if error.is_some() { TEN } else { SIX };
     let [holds, total] = match law.is_signorini() {
         true => ["contact", CONTACT_FORCE],
         false => ["sticks", FLUX],
@@ -34,10 +41,11 @@ pub(super) fn boundary(solved: &Solved, digits: usize) -> String {
         && problem.levels().mesh(0).part_names().nth(1).is_some();
     let mut text = String::new();
     for arc in &arcs {
-        let (place, force) = (place(arc, has_parts, digits), plain(arc.force, digits));
+        let (place, force) = (place(arc, has_parts, digits), force(arc.force, error));
         text += &format!("{holds} {place}, force {force}\n");
     }
-    let [force, balance] = [solved.force(), 0.0 - solved.integral()].map(|sum| plain(sum, digits));
+    let sums = [solved.force(), 0.0 - solved.integral()];
+    let [force, balance] = sums.map(|sum| force(sum, error));
     text += &format!("{total} {force}, minus the integral of f {balance}\n");
     if problem.domain(problem.finest()).has_fixed_part() {
         text += "fixed parts carry the difference\n";
@@ -56,14 +64,36 @@ fn place(arc: &ContactArc, has_parts: bool, digits: usize) -> String {
     match arc.closed {
         true => format!("everywhere{on}"),
         // Long numbers take a line each.
-        false if digits > 6 => format!("from {from}\n  to {to}"),
+        false if digits > SIX => format!("from {from}\n  to {to}"),
         false => format!("from {from} to {to}{on}"),
     }
 }
 
 /// Returns a point with the digits that it has.
 fn known_point([point, errors]: [[f64; 2]; 2]) -> String {
-    let [x, y] =
-        [0, 1].map(|axis| shared([point[axis] - errors[axis], point[axis] + errors[axis]]));
+    let [x, y] = [0, 1].map(|axis| {
+        let (place, error) = (point[axis], errors[axis]);
+        known(place, Some([place - error, place + error]), 16)
+    });
     format!("({x}, {y})")
+}
+
+/// Returns a force with the digits that it has; it has an error, by the balance of all, if it is that of a true solution.
+fn force(force: f64, error: Option<f64>) -> String {
+    match error {
+        Some(error) if force != 0.0 => known(force, Some([force - error, force + error]), TEN),
+        _ => plain(force, SIX),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_force_has_the_digits_that_its_error_leaves() {
+        assert_eq!(force(1.234_510_89, Some(3e-5)), "1.2345");
+        assert_eq!(force(1.234_510_89, None), "1.23451");
+        assert_eq!(force(0.0, Some(1e-12)), "0");
+    }
 }

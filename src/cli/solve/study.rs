@@ -24,7 +24,7 @@ use crate::timing::machine;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
-use signorini_mathematics::problem::text::{percent, plain};
+use signorini_mathematics::problem::text::percent;
 use signorini_mathematics::solvers::Memory;
 use signorini_mathematics::statement::Statement;
 use std::collections::BTreeSet;
@@ -226,8 +226,9 @@ fn checked_csv(path: &Path) -> Result<OutputFile> {
 /// are also beside the rest.
 fn lines(Asked { study, scene_name, .. }: &Asked, solved: &[Numbers]) -> String {
     let mut text = String::new();
-    for ((member, numbers), mut line) in study.members.iter().zip(solved).zip(study.rows(solved)) {
-        line.extend(numbers.details.clone());
+    for ((member, numbers), row) in study.members.iter().zip(solved).zip(study.rows(solved)) {
+        let mut line = numbers.answer(&member.statement);
+        line.extend(row);
         let values = study.values(member).map(|value| value.json());
         let varied: Map<String, Value> = study.names.iter().cloned().zip(values).collect();
         line.insert("varied".into(), varied.into());
@@ -241,16 +242,16 @@ fn lines(Asked { study, scene_name, .. }: &Asked, solved: &[Numbers]) -> String 
 
 /// Returns the table with the digits that are read, and what is asked for first on the left.
 fn for_people(study: &Study, solved: &[Numbers]) -> Table {
-    let shown = ["energy", "error", "contact", "force", "v from", "to", "nodes"];
+    let columns = ["energy", "error", "contact", "force", "v from", "to", "nodes"];
     let marks = study.marks(solved);
-    let head = study.names.iter().map(String::as_str).chain(shown).chain(marks.iter().copied());
+    let head = study.names.iter().map(String::as_str).chain(columns).chain(marks.iter().copied());
     let mut table = Table::new(head, &[]);
     for (member, of) in study.members.iter().zip(solved) {
-        let text = |number: Option<f64>, digits| number.map_or(String::new(), |x| plain(x, digits));
         let mut row: Vec<String> = study.values(member).map(|value| value.to_string()).collect();
-        row.push(text(of.energy, 7));
+        let digits = [("contact_length", 4), ("force", 4), ("v_least", 4), ("v_greatest", 4)];
+        row.push(of.shown_energy(7));
         row.push(of.error_relative.map_or(String::new(), |error| percent(error, 3)));
-        row.extend([of.contact_length, of.force, of.v_least, of.v_greatest].map(|x| text(x, 4)));
+        row.extend(of.shown(digits));
         row.push(of.nodes.map_or(String::new(), |nodes| nodes.to_string()));
         for &mark in &marks {
             row.push(match mark {

@@ -1,15 +1,12 @@
 //! Parts of an answer that only a true solution has: its numbers, and the checks that they stand.
 
-use super::bound;
+use super::bound::{self, TEN};
 use super::clock::turning;
 use crate::replication::numbers::Numbers;
 use indicatif::ProgressBar;
-use signorini_mathematics::problem::text::{plain, shared};
+use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::solvers::Solved;
 use signorini_mathematics::spectral::PlaneChecks;
-
-/// Digits of numbers without bounds, as many as the solver says that it has.
-const TEN: usize = 10;
 
 /// Returns a true solution in words; nothing of another.
 pub(super) fn text(solved: &Solved, numbers: &Numbers) -> String {
@@ -19,12 +16,10 @@ pub(super) fn text(solved: &Solved, numbers: &Numbers) -> String {
     if !law.is_signorini() {
         text += &format!("law {law}\n");
     }
-    let energy = match found.bracket {
-        Ok(bracket) => shared(bracket),
-        Err(_) => plain(found.energy, TEN),
-    };
+    let digits = if found.bracket.is_ok() { 16 } else { TEN };
+    let energy = numbers.shown_energy(digits);
     text += &format!("energy {energy}\n{}", bound::text(numbers, false));
-    text + &bound::boundary(solved, TEN) + &checks(&found.checks)
+    text + &bound::boundary(solved) + &checks(&found.checks)
 }
 
 /// Returns checks in words: the signs that hold, and the numbers that vanish.

@@ -6,11 +6,9 @@ use super::Record;
 use super::levels::{LevelNumbers, Residuals};
 use serde_json::{Map, Value, json};
 use signorini_mathematics::bounds::Accuracy;
-use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::solvers::{Reached, Run, SaddleSettings, Solved};
+use signorini_mathematics::solvers::{Run, SaddleSettings, Solved};
 use signorini_mathematics::spectral::TrueSolution;
 use signorini_mathematics::statement::{Fineness, Statement};
-use std::collections::BTreeMap;
 
 /// Returns the details of the answer to a statement.
 pub(crate) fn details(
@@ -45,16 +43,12 @@ pub(crate) fn details(
     json
 }
 
-/// Way to an accuracy on meshes, if that is how the answer was found.
-pub(crate) fn way(solved: &Solved) -> Option<&Reached> {
-    solved.reached.as_ref().filter(|reached| reached.marks.is_some())
-}
-
-/// Returns the settings, by name, on which an answer depends besides f, the solver and the levels.
-pub(crate) fn settings(statement: &Statement, law: Law) -> Vec<(&'static str, Value)> {
+/// Returns the settings, by name, on which an answer on levels depends besides f and the solver. A result that does not
+/// depend on them is the same with others: a record has none.
+pub(crate) fn settings(statement: &Statement) -> Vec<(&'static str, Value)> {
     let Statement { load, saddle, tolerance, .. } = statement;
     let mut settings = Vec::new();
-    if !law.is_signorini() {
+    if let (Some(_), Ok(law)) = (statement.law, statement.law()) {
         settings.push(("law", law.to_string().into()));
     }
     settings.extend(load.map(|rule| ("load", rule.name().into())));
@@ -133,8 +127,7 @@ fn on_levels(statement: &Statement, solved: &Solved, run: &Run) -> Value {
 
 /// Details of the way in which a solution on levels was found.
 fn of_method(statement: &Statement, solved: &Solved, run: &Run) -> Value {
-    let settings = settings(statement, solved.problem.law());
-    let mut json = json!({ "settings": settings.into_iter().collect::<BTreeMap<_, _>>() });
+    let mut json = json!({});
     if statement.solver.is_nested() {
         json["sweeps"] = run.last().end.sweeps().into();
         let sweeps = run.ends.iter().map(|outcome| outcome.end.sweeps());
@@ -144,7 +137,7 @@ fn of_method(statement: &Statement, solved: &Solved, run: &Run) -> Value {
     if let Accuracy::Energy(_) = accuracy {
         json["energy_of_linear_v"] = run.last().energy.into();
     }
-    if let Some(way) = way(solved) {
+    if let Some(way) = solved.way() {
         json["adapted"] = json!({
             "meshes": way.tried,
             "kind": way.kind(),

@@ -100,7 +100,7 @@ impl LevelNumbers {
         all
     }
 
-    /// The same with these bounds.
+    /// Numbers with these bounds.
     pub(crate) fn with(self, bounds: Option<&Bounds>) -> Self {
         let Some(bounds) = bounds else { return self };
         Self {

@@ -275,19 +275,21 @@ fn draw_map(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
     Ok(SolutionMap::of(title_with_end(inputs, scene)?, &problem, &pair)?.picture())
 }
 
-/// Returns, as CSV, the energy of each scene, the bound of its error over the solution, and the share of the boundary
-/// under the law on which v is held at zero.
+/// Returns, as CSV, the energy of each scene with its bracket, the bound of its error over the solution, and the share
+/// of the boundary under the law on which v is held at zero.
 fn numbers(inputs: &Inputs, scenes: &[Scene]) -> Result<String, Failure> {
-    let mut table = "energy,error,held\n".to_owned();
+    let mut table = "energy,energy_lower,energy_upper,error,held\n".to_owned();
     for scene in scenes {
         let rule = scene.first_rule();
         let found = solve::drawn(inputs, scene, rule)?;
-        let error = solve::bounds(scene, &found);
-        let error = error.map_or(String::new(), |of| of.relative().to_string());
+        let bounds = solve::bounds(scene, &found);
+        let bounds = bounds.map(|of| [of.energy[0], of.energy[1], of.relative()]);
+        let [lower, upper, error] =
+            bounds.map_or_else(Default::default, |all| all.map(|x| x.to_string()));
         let energy = found.energy.unwrap_or(f64::NAN);
         let problem = solve::problem(inputs, scene)?;
         let held = solve::held(&problem, &solve::pair(inputs, scene, rule, &problem)?);
-        table += &format!("{energy},{error},{held}\n");
+        table += &format!("{energy},{lower},{upper},{error},{held}\n");
     }
     Ok(table)
 }

@@ -86,25 +86,13 @@ struct BookParts {
     others: Vec<Scene>,
     /// Studies, by the names of their scenes.
     studies: BTreeMap<String, Study>,
-    /// Cells of the notebook, if its page is among the templates.
+    /// Cells of the notebook, if the page that shows them is among the templates.
     notebook: Vec<NotebookCell>,
     /// Reason for which pages made from templates are left out, if there is one.
     left_out: Option<String>,
-    /// Origin of each figure.
-    origins: Vec<FigureOrigin>,
     /// Files of scenes that failed, by their paths in the pages, each with the reason.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     stand_ins: BTreeMap<String, String>,
-}
-
-/// A figure, and what it is drawn from.
-#[derive(Serialize, Deserialize)]
-struct FigureOrigin {
-    name: String,
-    /// Id of the task.
-    task: String,
-    /// The stage with the scene or the experiment, as in `solve/plate`, of all runs together, and files.
-    needs: BTreeSet<String>,
 }
 
 /// The task that writes the pages and builds the book, from the artifacts of all `earlier` tasks.
@@ -116,7 +104,7 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
         files.insert(format!("report/{name}"), file.clone());
     }
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
-    let has_notebook = project.templates.contains_key("templates/notebook.md.tera");
+    let has_notebook = project.templates.contains_key("templates/studies.md.tera");
     let studies = project.scenes.iter();
     let studies = studies.filter(|scene| scene.is_study);
     let pages = BookParts {
@@ -125,7 +113,6 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
         studies: studies.map(|scene| (scene.name.clone(), scene.study.clone())).collect(),
         notebook: if has_notebook { notebook::cells() } else { Vec::new() },
         left_out: left_out(project),
-        origins: earlier.iter().filter_map(FigureOrigin::of).collect(),
         stand_ins: project.stand_ins.clone(),
     };
     Task::new(ID, &pages, needs, made).with_files(files).exported_to("report")
@@ -135,7 +122,7 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
 fn made(pages: &BookParts, inputs: &Inputs) -> Made {
     // The book takes the most memory of all tasks: what those before have left would add to it.
     give_back();
-    let BookParts { problems, others, studies, notebook, left_out, origins, stand_ins } = pages;
+    let BookParts { problems, others, studies, notebook, left_out, stand_ins } = pages;
     let stand_ins = stand_ins::files(stand_ins);
     if let Some(reason) = left_out {
         return book(inputs, stand_ins, |templates| Ok(report::stubs(templates, reason)?));
@@ -154,19 +141,8 @@ fn made(pages: &BookParts, inputs: &Inputs) -> Made {
         context.insert("studies", &rows);
         context.insert("notebook", notebook);
         context.insert("solutions", &listed);
-        context.insert("origins", origins);
         Ok(report::pages(templates, &context)?)
     })
-}
-
-impl FigureOrigin {
-    /// Origin of the figure of a task; none if it draws none.
-    fn of(task: &Task) -> Option<Self> {
-        let name = task.id.strip_prefix("figures/")?;
-        let parts = |id: &String| id.split('/').take(2).collect::<Vec<_>>().join("/");
-        let needs = task.needs.iter().map(parts).chain(task.files.keys().cloned()).collect();
-        Some(Self { name: name.into(), task: task.id.clone(), needs })
-    }
 }
 
 /// Makes the pages from the templates, and the book from the pages and from what is `made` for it; all are files by
@@ -281,30 +257,14 @@ mod tests {
     use std::path::Path;
 
     #[test]
-    fn figures_are_said_to_be_drawn_from_all_that_their_tasks_read() {
+    fn the_book_is_made_anew_when_any_file_of_any_task_changes() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).to_path_buf();
         let project = Project::read(root).unwrap();
         let plan = plan(&project, &project.select(&[]).unwrap(), None).unwrap();
-        let (mut files, mut count) = (BTreeSet::new(), 0);
-        for (task, origin) in
-            plan.tasks().iter().filter_map(|task| Some((task, FigureOrigin::of(task)?)))
-        {
-            let read = origin.needs.iter().filter(|need| project.root.join(need).is_file());
-            assert!(read.clone().eq(task.files.keys()), "{}", task.id);
-            files.extend(read.cloned());
-            count += 1;
-        }
-        assert!(
-            count > 20
-                && files.contains(recorded::PATH)
-                && files.contains("pipeline/meshes/gear.msh")
-        );
         let book = plan.task(ID).unwrap();
-        assert!(
-            plan.tasks()
-                .iter()
-                .flat_map(|task| task.files.keys())
-                .all(|path| book.files.contains_key(path))
-        );
+        let mut files = plan.tasks().iter().flat_map(|task| task.files.keys());
+        assert!(files.all(|path| book.files.contains_key(path)));
+        assert!(book.files.contains_key(recorded::PATH));
+        assert!(book.files.contains_key("pipeline/meshes/gear.msh"));
     }
 }

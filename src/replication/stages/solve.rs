@@ -285,7 +285,8 @@ pub(super) fn warnings<'a>(scene: &Scene, numbers: &'a Numbers) -> &'a [String] 
 
 /// Returns these warnings in sentences with a space behind them.
 pub(super) fn warnings_in_words(scene: &Scene, numbers: &Numbers) -> String {
-    warnings(scene, numbers).iter().map(|text| format!("Warning: {text}. ")).collect()
+    let warnings = warnings(scene, numbers);
+    warnings.iter().flat_map(|text| ["Warning: ", text, ". "]).collect()
 }
 
 /// Returns the warnings and the guaranteed bounds of a scene in sentences with a space behind them; nothing if it has

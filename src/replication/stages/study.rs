@@ -58,7 +58,8 @@ impl StudyTable {
         let all = all_numbers(inputs, &self.name, study)?;
         let table = study.table(&all);
         let counted = Study::counted(&table, &all);
-        let shown = tabulate::with_few_digits(&counted, study.names.len());
+        let shown =
+            tabulate::with_few_digits(&counted, study.names.len(), |k| all[k].has_true_energy());
         let marks = study.marks(&all);
         let order =
             [study.columns.clone(), marks.iter().map(ToString::to_string).collect()].concat();

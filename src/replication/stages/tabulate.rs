@@ -3,6 +3,7 @@
 use super::from_json;
 use super::solve::{self, NUMBERS};
 use crate::pipeline::{Artifacts, Inputs, Made, Task};
+use crate::replication::columns::shown;
 use crate::replication::comparison::Row;
 use crate::replication::fields::member::Member;
 use crate::replication::numbers::Numbers;
@@ -12,7 +13,7 @@ use crate::replication::scene::Scene;
 use crate::table::{Table, in_markdown};
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::problem::text::{interval, plain};
+use signorini_mathematics::problem::text::interval;
 use signorini_mathematics::saddle::StopRule;
 use signorini_mathematics::solvers::SaddleSettings;
 
@@ -77,29 +78,37 @@ pub(super) fn files(name: &str, table: &Table, shown: &Table, note: &str) -> Art
     files.collect()
 }
 
-/// Returns a table with as many digits as are read behind the first columns, which are as they are `given`; a bracket
-/// is rounded outwards.
-pub(super) fn with_few_digits(table: &Table, given: usize) -> Table {
+/// Returns a table with as many digits as are read behind the first columns, which are as they are `given`, and as are
+/// known in rows for whose number `is_true` holds; a bracket is rounded outwards.
+pub(super) fn with_few_digits(
+    table: &Table,
+    given: usize,
+    is_true: impl Fn(usize) -> bool,
+) -> Table {
+    /// Digits of a number that is not whole.
+    const SIX: usize = 6;
     let mut table = table.clone();
-    let bracket = BRACKET.map(|name| table.head.iter().position(|column| column == name));
-    for row in &mut table.rows {
-        let ends = bracket.map(|at| at.and_then(|at| row[at].parse::<f64>().ok()));
-        row[given..].iter_mut().for_each(|cell| *cell = shown(cell));
-        if let ([Some(lower), Some(upper)], [Some(low), Some(high)]) = (bracket, ends) {
+    let head = table.head.clone();
+    for (k, row) in table.rows.iter_mut().enumerate() {
+        let all = row.clone();
+        let number = |name: &str| {
+            let place = head.iter().position(|column| column == name)?;
+            all[place].parse::<f64>().ok().filter(|number| number.is_finite())
+        };
+        for (cell, column) in row.iter_mut().zip(&head).skip(given) {
+            if cell.contains(['.', 'e']) {
+                *cell = shown((column, SIX), is_true(k), number).unwrap_or_else(|| cell.clone());
+            }
+        }
+        if let [Some(low), Some(high)] = BRACKET.map(number) {
             let text = interval([low, high]);
-            let (low, high) = text[1..text.len() - 1].split_once(", ").unwrap_or_default();
-            (row[lower], row[upper]) = (low.into(), high.into());
+            for (name, end) in BRACKET.into_iter().zip(text[1..text.len() - 1].split(", ")) {
+                let columns = row.iter_mut().zip(&head).filter(|(_, column)| *column == name);
+                columns.for_each(|(cell, _)| *cell = end.into());
+            }
         }
     }
     table
-}
-
-/// Returns a number with six digits, unless it is whole, and any other cell as it is.
-fn shown(cell: &str) -> String {
-    match cell.parse::<f64>() {
-        Ok(number) if number.is_finite() && cell.contains(['.', 'e']) => plain(number, 6),
-        _ => cell.to_owned(),
-    }
 }
 
 /// Solves from which a table is made.
@@ -147,27 +156,25 @@ pub(crate) fn task(scene: &Scene) -> Task {
 
 impl Tabulated {
     fn made(&self, inputs: &Inputs) -> Made {
-        let (mut levels, mut warned) = (Vec::new(), Grouped::default());
+        let (mut levels, mut warned, mut is_true) = (Vec::new(), Grouped::default(), false);
         for solve in &self.solves {
             let numbers = solve.numbers(inputs)?;
             levels.push(numbers.levels());
+            is_true = numbers.has_true_energy();
             let run = solve.saddle.map(|SaddleSettings { stop, r, .. }| format!("{stop}, r = {r}"));
             for warning in numbers.warnings.into_iter().filter(|_| !self.is_papers) {
                 warned.add(warning, run.clone().unwrap_or_default());
             }
         }
         let runs: Option<Vec<_>> = self.solves.iter().map(|solve| solve.saddle).collect();
-        let (table, shown, mut note) = match runs {
-            Some(runs) => {
-                let table = table(&runs, &levels);
-                let (shown, note) = without_ends(&table);
-                (table, shown, note)
-            }
-            None => {
-                let table = table_of_levels(&levels[0]);
-                let shown = table.with_columns(|column| USUAL.contains(&column));
-                (table, shown, String::new())
-            }
+        let table = match &runs {
+            Some(runs) => table(runs, &levels),
+            None => table_of_levels(&levels[0]),
+        };
+        let few = with_few_digits(&table, 0, |_| is_true);
+        let (shown, mut note) = match runs {
+            Some(_) => without_ends(&few),
+            None => (few.with_columns(|column| USUAL.contains(&column)), String::new()),
         };
         for (warning, whom) in warned.first(usize::MAX) {
             note += &match &whom[0][..] {
@@ -175,7 +182,7 @@ impl Tabulated {
                 _ => format!("warning ({}): {warning}\n", whom.join("; ")),
             };
         }
-        Ok(files(&self.name, &table, &with_few_digits(&shown, 0), &note))
+        Ok(files(&self.name, &table, &shown, &note))
     }
 }
 
@@ -211,11 +218,11 @@ fn without_ends(table: &Table) -> (Table, String) {
 
 /// Computed row of a table, from a solve with this r.
 pub(super) fn row(r: f64, levels: &[LevelNumbers]) -> Row {
-    let is_capped = |level: &LevelNumbers| level.own_stop == Some(Stop::IterationLimit);
+    let own_stops = levels.iter().map(|level| level.own_stop);
     Row {
         r,
         counts: levels.iter().map(|level| level.iterations).collect(),
-        capped: levels.iter().map(is_capped).collect(),
+        capped: own_stops.map(|stop| stop == Some(Stop::IterationLimit)).collect(),
         delta_a: levels.last().and_then(|finest| finest.delta_a).unwrap_or(f64::NAN),
     }
 }
@@ -315,7 +322,7 @@ mod tests {
             | 1/4 | -0.1234567891 | -0.1234567812 | 0.0123457 | converged |
             | 1/8 |  |  |  | not-solved |
         "]]
-        .assert_eq(&with_few_digits(&table, 0).markdown(in_markdown));
+        .assert_eq(&with_few_digits(&table, 0, |_| true).markdown(in_markdown));
     }
 
     #[test]

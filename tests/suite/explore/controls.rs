@@ -45,7 +45,7 @@ await note(`net ${canvas.toDataURL() !== both && traces === 2 && dashed() === 0}
 #[test]
 fn the_controls_do_what_they_say() {
     let Some(browser) = browser() else {
-        skip("no chromium; nobody has pressed the buttons of explore.html");
+        skip("no chromium; nobody has pressed the buttons of tables.html");
         return;
     };
     let notes = notes(&browser, book(), "", GO_THROUGH);
@@ -118,7 +118,7 @@ choose("load", "exact"); choose("rule", "signed-dual"); choose("r", "2.5"); awai
 choose("load", "nodal"); choose("rule", "printed-dual"); await note("nodal");
 "#;
     let Some(browser) = browser() else {
-        skip("no chromium; nobody has read the command of explore.html");
+        skip("no chromium; nobody has read the command of tables.html");
         return;
     };
     let notes = notes(&browser, book(), "", LOADS_AND_RULES);
@@ -167,7 +167,7 @@ document.querySelector('[data-r="5"]').click(); choose("problem", "1"); choose("
 await settle(); await note("problem 1");
 "#;
     let Some(browser) = browser() else {
-        skip("no chromium; nobody has read the address of explore.html");
+        skip("no chromium; nobody has read the address of tables.html");
         return;
     };
     let notes_of = |query: &str, script: &str| notes(&browser, book(), query, script);

@@ -43,7 +43,7 @@ for (const width of ["", "362px", "282px"]) {
 #[test]
 fn pictures_have_axes_with_ticks_and_no_word_is_cut_or_covered() {
     let Some(browser) = browser() else {
-        skip("no chromium; nobody has looked at the pictures of explore.html");
+        skip("no chromium; nobody has looked at the pictures of tables.html");
         return;
     };
     let pictures = notes(&browser, book(), "", LOOK);

@@ -106,8 +106,8 @@ pub struct Facts {
     pub by_quadrature: bool,
     /// Known solution whose f this is.
     pub known: Option<Known>,
-    /// Facts on the domain and f that a user has to know, in a line each: those of [`AnyMesh::notes`], and the pieces of
-    /// f that are certain to lie outside the domain.
+    /// Facts on the domain and f that a user has to know, in a line each: those of [`AnyMesh::notes`], and the pieces
+    /// of f that are certain to lie outside the domain.
     pub notes: Vec<String>,
     /// True if meshes are finer where the error is large, so that most of them are not shown.
     pub is_adapted: bool,

@@ -93,16 +93,26 @@ pub fn interval([low, high]: [f64; 2]) -> String {
     format!("[{}, {}]", outwards(low, -1.0), outwards(high, 1.0))
 }
 
-/// Returns a number that lies in an interval with the digits that both ends of it share, rounded; zeros after the point
-/// where it may be zero, and one digit where they share none.
-pub fn shared([low, high]: [f64; 2]) -> String {
+/// Returns a number with so many digits or, where it lies between two ends within which it is known, with those of them
+/// that both ends share.
+pub fn known(number: f64, ends: Option<[f64; 2]>, digits: usize) -> String {
+    match ends {
+        Some([low, high]) if low <= number && number <= high => shared([low, high], digits),
+        _ => plain(number, digits),
+    }
+}
+
+/// Returns a number that lies in an interval with the digits that both ends of it share, rounded, at most so many;
+/// zeros after the point where it may be zero, and one digit where they share none.
+fn shared([low, high]: [f64; 2], digits: usize) -> String {
     let size = low.abs().max(high.abs());
     if size == 0.0 {
         return "0".into();
     }
     let is_fixed = (1e-3..1e5).contains(&size) || low <= 0.0 && high >= 0.0;
     let first = libm::log10(size).floor().clamp(-300.0, 15.0) as i32;
-    let most = if is_fixed { 15 - first } else { 15 };
+    let last = digits as i32 - 1;
+    let most = if is_fixed { (last - first).max(0) } else { last };
     let shown = (0..=most as usize).rev().find_map(|places| {
         let [low, high] = [low, high].map(|end| rounded(end, places, is_fixed));
         (low == high).then_some(low)
@@ -210,8 +220,23 @@ mod tests {
             ([-3.0, 5.0], "1"),
             ([0.1, 0.1], "0.1000000000000000"),
         ] {
-            assert_eq!(shared(ends), text, "{ends:?}");
+            assert_eq!(known(0.5 * (ends[0] + ends[1]), Some(ends), 16), text, "{ends:?}");
         }
+    }
+
+    #[test]
+    fn a_number_between_its_ends_has_no_more_digits_than_asked_for_and_one_beside_them_has_all() {
+        let ends = Some([-14.985_665_284_25, -14.985_665_284_03]);
+        for (number, digits, text) in [
+            (-14.985_665_284_1, 6, "-14.9857"),
+            (-14.985_665_284_1, 2, "-15"),
+            (-14.985_665_284_1, 1, "-15"),
+            (-14.985_66, 9, "-14.9856600"),
+        ] {
+            assert_eq!(known(number, ends, digits), text);
+        }
+        assert_eq!(known(1.0 / 3.0, None, 4), "0.3333");
+        assert_eq!(known(2e-9, Some([1e-9, 3e-9]), 4), "2e-9");
     }
 
     proptest::proptest! {

@@ -115,6 +115,11 @@ impl Solved {
         }
     }
 
+    /// Way to an accuracy on meshes, if that is how the solution was found.
+    pub fn way(&self) -> Option<&Reached> {
+        self.reached.as_ref().filter(|reached| reached.marks.is_some())
+    }
+
     /// Run of a solver on levels; none of a true solution.
     pub fn run(&self) -> Option<&Run> {
         match &self.found {
@@ -212,6 +217,13 @@ impl Solved {
                 arcs.iter().flatten().map(|arc| arc.length).fold(0.0, |sum, length| sum + length)
             }
         }
+    }
+
+    /// Distance within which the length in contact of a true solution lies from [`Solved::contact_length`], as its ends
+    /// estimate it; none of another.
+    pub fn contact_length_error(&self) -> Option<f64> {
+        let errors = self.truth()?.contact.iter().flat_map(|arc| arc.error.unwrap_or_default());
+        Some(errors.fold(0.0, |sum, error| sum + error))
     }
 
     /// Total contact force; under another law than the paper's the flux through all of the boundary. A sum of rounding

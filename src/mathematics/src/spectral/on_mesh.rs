@@ -142,6 +142,11 @@ impl PlaneTruth {
         self.height * self.solution.integral
     }
 
+    /// Size of the integral of dv/dn over the boundary plus that of f.
+    pub(crate) fn unbalanced(&self) -> f64 {
+        self.height * self.solution.unbalanced
+    }
+
     /// Number of real unknowns.
     pub(crate) fn unknowns(&self) -> usize {
         self.solution.unknowns

@@ -50,6 +50,8 @@ pub(crate) struct PlaneSolution {
     pub force: f64,
     /// Integral of f over the domain.
     pub integral: f64,
+    /// Size of the integral of dv/dn over the boundary plus that of f.
+    pub unbalanced: f64,
     /// Checks.
     pub checks: PlaneChecks,
     /// Real unknowns of the last fit.
@@ -145,6 +147,7 @@ pub(super) fn solve(
         arcs: arcs(&problem.domain, frame, &setup, &found),
         force: square * force,
         integral: square * integrals.source,
+        unbalanced: square * (integrals.force + integrals.source).abs(),
         checks,
         unknowns: fit.unknowns,
         steps: found.steps,

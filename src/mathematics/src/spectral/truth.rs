@@ -21,6 +21,8 @@ pub struct TrueSolution {
     pub force: f64,
     /// Integral of f over the domain.
     pub integral: f64,
+    /// Size of the integral of dv/dn over the whole boundary plus that of f, which is zero but for errors.
+    pub unbalanced: f64,
     /// Number of real unknowns of the sum of functions.
     pub unknowns: usize,
     /// Number of Newton steps.
@@ -86,6 +88,7 @@ impl TrueSolution {
             contact: components.iter().flat_map(|truth| truth.contact(mesh)).collect(),
             force: components.iter().map(PlaneTruth::force).sum(),
             integral: components.iter().map(PlaneTruth::integral).sum(),
+            unbalanced: components.iter().map(PlaneTruth::unbalanced).sum(),
             unknowns: components.iter().map(PlaneTruth::unknowns).sum(),
             steps: components.iter().map(PlaneTruth::steps).sum(),
             checks: checks.expect("a mesh has a component"),

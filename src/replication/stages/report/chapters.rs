@@ -247,7 +247,6 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         _ => None,
     };
     let bounds = solve::bounds(scene, &numbers);
-    let bracket = numbers.details.get("checks").and_then(|checks| checks["bracket"].as_f64());
     let held = scene.wants(Output::Map).then(|| {
         solve::pair(inputs, scene, rule, &problem).map(|pair| solve::held(&problem, &pair))
     });
@@ -257,14 +256,12 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         "is_papers_law": scene.statement.law.is_none(),
         // Share of the boundary under the law on which v is held at zero, of a scene with a map.
         "held": held.transpose()?,
-        // Accuracy of the energy of a true solution, over the energy.
-        "accuracy": bracket.map(f64::abs),
         "f": facts.f,
         // The exact solution in LaTeX, if it is known.
         "exact": exact,
         // Bound of the error over the solution, if it is less than that.
         "relative": bounds.as_ref().map(Bounds::relative).filter(|&error| error < 1.0),
-        "energy": numbers.energy,
+        "energy": numbers.shown_energy(5),
     });
     Ok(extended(scene, more))
 }
@@ -290,7 +287,7 @@ fn shown_figures<'a>(inputs: &'a Inputs) -> BTreeMap<&'a str, Value> {
             let table = format!("{name}.csv");
             let data = match made.contains_key(&table) {
                 true => format!("figures/{table}"),
-                false => "data.html".into(),
+                false => "fields.html".into(),
             };
             let [width, height] = ["width", "height"].map(|key| attribute(bytes, key));
             figures.insert(
@@ -305,13 +302,11 @@ fn shown_figures<'a>(inputs: &'a Inputs) -> BTreeMap<&'a str, Value> {
     figures
 }
 
-/// Returns the command that draws a figure: a run of its scene, if it is of one.
-fn command(inputs: &Inputs, figure: &str) -> String {
+/// Returns the command that draws a figure of a scene; none for one that `signorini run` alone draws.
+fn command(inputs: &Inputs, figure: &str) -> Option<String> {
     let mut scenes = inputs.artifacts.keys().filter_map(|task| scene_of(task));
-    let own = figures::scene_of(figure).filter(|own| scenes.any(|scene| scene == *own));
-    own.map_or("signorini run --only figures".into(), |scene| {
-        format!("signorini run {}", in_shell(scene))
-    })
+    let own = figures::scene_of(figure).filter(|own| scenes.any(|scene| scene == *own))?;
+    Some(format!("signorini run {}", in_shell(own)))
 }
 
 /// Returns an attribute of the root of an SVG file that is a number.

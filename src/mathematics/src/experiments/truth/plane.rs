@@ -5,6 +5,7 @@ use crate::discrete::contact::ContactArc;
 use crate::levels::{Problem, Reserve};
 use crate::mesh::AnyMesh;
 use crate::problem::law::Law;
+use crate::problem::text::known;
 use crate::solvers::{Adaption, Settings, Solved, Solver, find, solve};
 use crate::spectral::TrueSolution;
 use serde::{Deserialize, Serialize};
@@ -41,8 +42,8 @@ impl PlanePlan {
 pub(super) struct PlaneTruthRow {
     domain: String,
     f: String,
-    /// J(v).
-    energy: f64,
+    /// J(v), with the digits that both ends of its bracket share.
+    energy: String,
     /// Width of the bracket of the energy over it.
     bracket: Option<f64>,
     /// Newton steps.
@@ -146,13 +147,13 @@ pub(super) fn against_plane(plan: &PlanePlan) -> Result<PlaneFindings, String> {
 
 impl PlaneTruthRow {
     fn of(PlanePlan { domain, f, .. }: &PlanePlan, truth: &TrueSolution) -> Self {
-        let (checks, energy) = (truth.checks, truth.energy);
+        let checks = truth.checks;
         let open = truth.contact.iter().filter(|arc| !arc.closed);
         let contact: Vec<_> = open.flat_map(|arc| [arc.from, arc.to]).collect();
         Self {
             domain: domain.clone(),
             f: f.clone(),
-            energy,
+            energy: known(truth.energy, truth.bracket.ok(), 16),
             bracket: checks.bracket,
             steps: truth.steps,
             arcs: truth.contact.len(),
