@@ -57,9 +57,14 @@ pub(super) const HISTORY: &str = "history.json";
 pub(super) fn id_of(scene: &Scene, member: &Member) -> String {
     match member.statement.saddle {
         _ if scene.is_study => study::id(&scene.name, &scene.study, member),
-        Some(SaddleSettings { stop, r, .. }) => format!("solve/{}/{stop}/r={r}", scene.name),
+        Some(SaddleSettings { stop, r, .. }) => id(scene, stop, r),
         None => format!("solve/{}", scene.name),
     }
+}
+
+/// Id of the task of a saddle-point method under a rule with this r.
+pub(super) fn id(scene: &Scene, rule: StopRule, r: f64) -> String {
+    format!("solve/{}/{rule}/r={r}", scene.name)
 }
 
 /// Ids of the tasks of all members of a scene.
@@ -76,7 +81,9 @@ pub(super) fn tasks(scene: &Scene) -> Vec<Task> {
             let path = mesh_files::path_of(&member.statement.domain);
             let file = path.and_then(|path| scene.files.get_key_value(&path));
             let files = file.map(|(path, file)| (path.clone(), file.clone())).into_iter().collect();
-            tasks.push(Task::new(id_of(scene, member), &cell, Vec::new(), Cell::made).with_files(files));
+            tasks.push(
+                Task::new(id_of(scene, member), &cell, Vec::new(), Cell::made).with_files(files),
+            );
         }
     }
     tasks

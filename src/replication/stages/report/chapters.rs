@@ -222,8 +222,7 @@ fn values(f: &Source) -> Value {
 fn misses(inputs: &Inputs, scene: &Scene, table: &TableComparison) -> Result<Vec<Value>, String> {
     let mut misses = Vec::new();
     for row in table.rows.iter().filter(|row| !row.delta_a_exact()) {
-        let of_row = scene.under(scene.first_rule()).find(|member| member.r() == Some(row.r));
-        let id = solve::id_of(scene, of_row.ok_or("no member has the r of this row")?);
+        let id = solve::id(scene, scene.saddle().stop, row.r);
         let levels: Vec<Vec<Iteration>> = from_json(inputs, &id, HISTORY)?;
         let finest = levels.last().map_or(&[][..], |level| &level[level.len().saturating_sub(3)..]);
         let last =

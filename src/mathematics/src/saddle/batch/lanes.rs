@@ -1,7 +1,7 @@
 //! The iterates of several runs on one grid, node by node with a number per run.
 
 use super::LANES;
-use super::arithmetic::{LaneLaws, LaneAlignment, V};
+use super::arithmetic::{LaneAlignment, LaneLaws, V};
 use crate::discrete::grid::Grid;
 use crate::discrete::network::Network;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
