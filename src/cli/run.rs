@@ -279,11 +279,12 @@ impl RunArgs {
             for scene in workplace.project.select(scenes)? {
                 let artifact =
                     |task: &str, name: &str| outcomes_of(workplace, summary, (task, name));
-                let outcomes = |task: &str| artifact(task, solve::OUTCOMES);
-                let mut lines = study::remarks(scene, artifact);
-                if !is_as_published(scene) {
-                    lines.extend(solve::remarks(scene, outcomes));
-                }
+                let numbers = |task: &str| artifact(task, solve::NUMBERS);
+                let lines = match scene.is_study {
+                    true => study::remarks(scene, artifact),
+                    false if is_as_published(scene) => Vec::new(),
+                    false => solve::remarks(scene, numbers),
+                };
                 lines.iter().for_each(|line| talk(line));
             }
         }
@@ -296,7 +297,7 @@ impl RunArgs {
             summary.ran.iter().filter(|ran| Stage::of(&ran.task) == Some(Stage::Tabulate));
         let scenes = tabulated.filter_map(|ran| project.scene(scene_of(&ran.task)?).ok());
         // A study is not among all results.
-        if !self.scenes.is_empty() && scenes.into_iter().any(|scene| scene.study.is_none()) {
+        if !self.scenes.is_empty() && scenes.into_iter().any(|scene| !scene.is_study) {
             "a run that names no scene writes all counts to report/results.csv\n"
         } else {
             ""

@@ -1,13 +1,15 @@
 //! Numbers of a solution: a row of the table of a study.
 
-use crate::replication::columns::{END, STOP};
+use crate::replication::columns::{END, STOP, shown};
 use crate::replication::record::Record;
 use crate::replication::record::advice::Warning;
-use crate::replication::record::details::{answering_energy, details};
+use crate::replication::record::details::{details, settings};
+use crate::replication::record::levels::LevelNumbers;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::levels::Reserve;
+use signorini_mathematics::problem::text::{interval, percent, plain};
 use signorini_mathematics::solvers::{Run, Solved, Solver};
 use signorini_mathematics::statement::Statement;
 
@@ -15,57 +17,56 @@ use signorini_mathematics::statement::Statement;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Numbers {
     /// Energy: that of v or, where the accuracy of the energy was asked for, the number of the bracket nearest to it.
-    energy: Option<f64>,
+    pub(crate) energy: Option<f64>,
     /// Guaranteed bracket of the energy.
-    energy_lower: Option<f64>,
-    energy_upper: Option<f64>,
+    pub(crate) energy_lower: Option<f64>,
+    pub(crate) energy_upper: Option<f64>,
     /// Guaranteed bound of the error in the energy norm, over the solution; none where it is not below the solution.
-    error_relative: Option<f64>,
+    pub(crate) error_relative: Option<f64>,
     /// Errors of v in L2, in the H1 seminorm and at a node; none where the solution has no formula.
-    error_l2: Option<f64>,
-    error_h1: Option<f64>,
-    error_max: Option<f64>,
+    pub(crate) error_l2: Option<f64>,
+    pub(crate) error_h1: Option<f64>,
+    pub(crate) error_max: Option<f64>,
     /// Least and greatest nodal value.
-    v_least: Option<f64>,
-    v_greatest: Option<f64>,
+    pub(crate) v_least: Option<f64>,
+    pub(crate) v_greatest: Option<f64>,
     /// Length of the boundary in contact, with ends within the cell; in space the area of the nodes in contact.
-    contact_length: Option<f64>,
+    pub(crate) contact_length: Option<f64>,
     /// Distance within which the length of a true solution lies, as estimated.
-    contact_length_error: Option<f64>,
+    pub(crate) contact_length_error: Option<f64>,
     /// Contact force: the flux through the boundary where the law holds.
-    force: Option<f64>,
-    nodes: Option<usize>,
-    iterations: Option<usize>,
+    pub(crate) force: Option<f64>,
+    pub(crate) nodes: Option<usize>,
+    pub(crate) iterations: Option<usize>,
     /// Cost of multigrid, in sweeps of the finest level.
-    work_units: Option<f64>,
+    pub(crate) work_units: Option<f64>,
     /// Iterations on each of the nested grids or meshes of a saddle-point method, coarsest first.
-    iterations_per_grid: Option<Vec<usize>>,
+    pub(crate) iterations_per_grid: Option<Vec<usize>>,
     /// Name of the end of the solver.
-    stop: Option<String>,
+    pub(crate) stop: Option<String>,
     /// KKT residual over the largest load; none of a true solution.
-    kkt_relative: Option<f64>,
+    pub(crate) kkt_relative: Option<f64>,
     /// Solver that found it.
-    solver: String,
+    pub(crate) solver: String,
     /// Approximations that the bounds leave out; none if there are none.
-    reserve: Option<String>,
+    pub(crate) reserve: Option<String>,
     /// Warnings that `solve` gives, a sentence each.
-    warnings: Vec<String>,
+    pub(crate) warnings: Vec<String>,
     /// Remedy for them, or for the failure.
-    remedy: Option<String>,
+    pub(crate) remedy: Option<String>,
     /// Reason for which there is no solution, or not the accuracy that was asked for; other numbers are then those
     /// where the solver ended.
-    reason: Option<String>,
+    pub(crate) reason: Option<String>,
     /// Parts of an answer that only JSON shows.
     #[serde(flatten)]
-    details: Map<String, Value>,
+    pub(crate) details: Map<String, Value>,
 }
 
 impl Numbers {
     /// Numbers of the answer to a statement; of what is no solution without bounds.
     pub(crate) fn of(statement: &Statement, solved: &Solved, record: &Record) -> Self {
-        let bounds = solved.bounds().last().and_then(|bounds| bounds.as_ref().ok());
-        let bounds = bounds.filter(|_| record.failure.is_none());
-        let energy = answering_energy(statement, solved);
+        let bounds = solved.last_bounds().filter(|_| record.failure.is_none());
+        let energy = solved.energy();
         let relative = bounds.map(Bounds::relative).filter(|relative| relative.is_finite());
         let (run, errors) = (solved.run(), solved.errors());
         let (last, truth) = (run.map(Run::last), solved.truth());
@@ -109,24 +110,15 @@ impl Numbers {
         Self { solver, reason: Some(reason), details, ..Self::default() }
     }
 
-    /// Warnings, a sentence each.
-    pub(crate) fn warnings(&self) -> &[String] {
-        &self.warnings
-    }
-
-    /// Remedy for the warnings.
-    pub(crate) fn remedy(&self) -> Option<&str> {
-        self.remedy.as_deref()
-    }
-
     /// True for what is no solution, with the numbers where the solver ended.
     pub(crate) fn is_no_solution(&self) -> bool {
         self.reason.is_some() && self.nodes.is_some()
     }
 
-    /// Reason for which there is no solution.
-    pub(crate) fn reason(&self) -> Option<&str> {
-        self.reason.as_deref()
+    /// Guaranteed bounds; none where there are none, or no solution.
+    pub(crate) fn bounds(&self) -> Option<Bounds> {
+        self.energy_lower?;
+        Bounds::deserialize(self.details.get("bound")?).ok()
     }
 
     /// True if the energy is that of the true solution, or the number of its bracket that is nearest to that of v.
@@ -135,14 +127,69 @@ impl Numbers {
             || self.details.contains_key("energy_of_linear_v")
     }
 
-    /// Number in a column; none if the column has texts, or the solution has no such number.
-    pub(crate) fn number(&self, column: &str) -> Option<f64> {
-        self.values(&[column])[0].1.as_f64()
+    /// The energy with so many digits, a true one with those of them that are known; nothing without one.
+    pub(crate) fn shown_energy(&self, digits: usize) -> String {
+        self.shown([("energy", digits)]).concat()
     }
 
-    /// Parts of an answer that only JSON shows.
-    pub(crate) fn details(&self) -> &Map<String, Value> {
-        &self.details
+    /// The numbers in columns, each with so many digits, those of a true solution with those of them that are known;
+    /// nothing where there is none.
+    pub(crate) fn shown<const N: usize>(&self, columns: [(&str, usize); N]) -> [String; N] {
+        let (all, is_true) = (self.json(), self.has_true_energy());
+        columns.map(|column| {
+            shown(column, is_true, |name| all.get(name)?.as_f64()).unwrap_or_default()
+        })
+    }
+
+    /// Guaranteed bounds in words; none where there are none.
+    pub(crate) fn guarantee(&self) -> Option<Guarantee> {
+        let bounds = self.bounds()?;
+        let in_space = self.details.get("dimension").is_some_and(|number| *number == 3);
+        let domain = if in_space { "polyhedron" } else { "polygon" };
+        let mut but = String::new();
+        for reserve in self.reserve.iter().flat_map(|names| names.rsplit(' ')) {
+            but += &match reserve == Reserve::Polygon.name() {
+                true => format!(", on the {domain}"),
+                false => ", but for the quadrature of f".into(),
+            };
+        }
+        let [least, most] = bounds.error;
+        let range = match least > 0.0 {
+            true => format!("{} to ", plain(least, 4)),
+            false => "at most ".into(),
+        };
+        let error =
+            format!("error in the energy norm {range}{}", with_share(most, bounds.relative()));
+        let mut parts = vec![format!("true energy in {}", interval(bounds.energy)), error];
+        parts.extend(bounds.curve.map(|curve| {
+            let curve = plain(curve, 2);
+            format!("energy beside the {domain}, which no bound holds, about {curve}")
+        }));
+        Some(Guarantee { but, parts })
+    }
+
+    /// Numbers on all levels on which the solver ended, coarsest first; of a true solution one, without a level.
+    pub(crate) fn levels(&self) -> Vec<LevelNumbers> {
+        match self.details.get("grids") {
+            Some(levels @ Value::Array(_)) => {
+                Vec::deserialize(levels).expect("levels are read as they are written")
+            }
+            _ => {
+                let numbers = LevelNumbers {
+                    iterations: self.iterations.unwrap_or_default(),
+                    stop: self.stop.clone().unwrap_or_default(),
+                    energy: self.energy,
+                    ..LevelNumbers::default()
+                };
+                vec![numbers.with(self.bounds().as_ref())]
+            }
+        }
+    }
+
+    /// Numbers in some columns; none where the column has texts, or the solution has no such number.
+    pub(crate) fn numbers<const N: usize>(&self, columns: [&str; N]) -> [Option<f64>; N] {
+        let all = self.json();
+        columns.map(|column| all.get(column)?.as_f64())
     }
 
     /// All columns, and all details.
@@ -151,6 +198,17 @@ impl Numbers {
             Ok(Value::Object(all)) => all,
             other => unreachable!("numbers are plain data: {other:?}"),
         }
+    }
+
+    /// Answer to a statement in JSON: all columns, all details, and the settings with which it was found on levels.
+    pub(crate) fn answer(&self, statement: &Statement) -> Map<String, Value> {
+        let mut answer = self.json();
+        if answer.contains_key("unknowns") {
+            let settings = settings(statement).into_iter();
+            let settings: Map<_, _> = settings.map(|(name, of)| (name.to_owned(), of)).collect();
+            answer.insert("settings".into(), settings.into());
+        }
+        answer
     }
 
     /// Values in some columns, null where there is none.
@@ -167,6 +225,23 @@ impl Numbers {
     pub(crate) fn cells(&self, columns: &[&str]) -> Vec<String> {
         self.values(columns).iter().map(|(_, value)| cell(value)).collect()
     }
+}
+
+/// Guaranteed bounds in words.
+pub(crate) struct Guarantee {
+    /// Approximations that they leave out; empty if there are none.
+    pub(crate) but: String,
+    /// Bracket of the energy, bound of the error, and on a curved domain the energy beside it.
+    pub(crate) parts: Vec<String>,
+}
+
+/// Returns a bound of the error, and its share of the solution if that is below one.
+pub(crate) fn with_share(bound: f64, share: f64) -> String {
+    let of_solution = match share < 1.0 && bound > 0.0 {
+        true => format!(", at most {} of the solution", percent(share, 3)),
+        false => String::new(),
+    };
+    plain(bound, 4) + &of_solution
 }
 
 /// Returns a value of a row as a table has it.

@@ -5,6 +5,7 @@
 pub(crate) mod advice;
 pub(crate) mod details;
 mod judging;
+pub(crate) mod levels;
 
 pub(crate) use judging::{CONTACT_FORCE, FLUX, Judge, load_misses};
 

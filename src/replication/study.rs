@@ -188,7 +188,7 @@ impl Study {
         let mut marks = Vec::new();
         let end = if self.varies(STOP) { END } else { STOP };
         marks.extend(all.iter().any(Numbers::is_no_solution).then_some(end));
-        marks.extend(all.iter().any(|of| !of.warnings().is_empty()).then_some(WARNINGS));
+        marks.extend(all.iter().any(|of| !of.warnings.is_empty()).then_some(WARNINGS));
         marks
     }
 
@@ -209,12 +209,12 @@ impl Study {
         let (mut reasons, mut warnings) = (Grouped::default(), Grouped::default());
         for (member, numbers) in self.members.iter().zip(all) {
             let whom = in_words(&self.names, self.values(member));
-            match (numbers.reason(), numbers.warnings()) {
-                (Some(reason), _) => reasons.add(reason.to_owned(), whom),
+            match (&numbers.reason, &numbers.warnings[..]) {
+                (Some(reason), _) => reasons.add(reason.clone(), whom),
                 (None, []) => {}
                 (None, sentences) => {
-                    let remedy = numbers.remedy().map_or(String::new(), |text| format!("; {text}"));
-                    warnings.add(sentences.join("; ") + &remedy, whom);
+                    let remedy = numbers.remedy.iter().map(|text| format!("; {text}"));
+                    warnings.add(sentences.join("; ") + &remedy.collect::<String>(), whom);
                 }
             }
         }
@@ -251,7 +251,7 @@ impl Study {
 
 /// Number of warnings as a table has it; empty without.
 pub(crate) fn count_of(numbers: &Numbers) -> String {
-    match numbers.warnings().len() {
+    match numbers.warnings.len() {
         0 => String::new(),
         count => count.to_string(),
     }

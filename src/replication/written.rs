@@ -6,7 +6,7 @@ use super::record::advice::{Remedy, Warning};
 use crate::pipeline::error::Error;
 use crate::replication::fields::table::Voice;
 use signorini_mathematics::bounds::Accuracy;
-use signorini_mathematics::problem::text::plain;
+use signorini_mathematics::problem::text::percent;
 use signorini_mathematics::solvers::{
     MOST_CELLS, ReachEnd, Refusal, Solved, Solver, takes_spectral,
 };
@@ -103,7 +103,7 @@ impl Voice {
                 (format!("is not reached: rounding errors leave {least:.1e}"), less_or_spectral)
             }
             end => {
-                let bounds = solved.bounds().last()?.as_ref().ok()?;
+                let bounds = solved.last_bounds()?;
                 let error = error(accuracy, accuracy.reached(bounds));
                 let [nodes, _] = solved.problem.lengths();
                 let fact = format!("is not reached: {error} with {nodes} nodes; {}", reason(end));
@@ -118,11 +118,11 @@ impl Voice {
 
 /// Bound that was reached, in words.
 pub(crate) fn error(accuracy: Accuracy, reached: f64) -> String {
-    let percent = plain(100.0 * reached, 3);
+    let percent = percent(reached, 3);
     match accuracy {
         _ if !reached.is_finite() => "error not below the solution".into(),
-        Accuracy::Error(_) => format!("error at most {percent} %"),
-        Accuracy::Energy(_) => format!("error of the energy at most {percent} %"),
+        Accuracy::Error(_) => format!("error at most {percent}"),
+        Accuracy::Energy(_) => format!("error of the energy at most {percent}"),
     }
 }
 

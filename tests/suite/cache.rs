@@ -45,7 +45,7 @@ fn a_scene_that_wants_a_table_draws_nothing() {
     // Nor does it keep what only drawings need.
     let outputs = fs::read_to_string(project.path(".signorini/v2/tasks/solve/a/signed/r=10.runs"));
     let outputs = outputs.unwrap();
-    assert!(outputs.contains("outcomes.json") && !outputs.contains("pair.f64"), "{outputs}");
+    assert!(outputs.contains("numbers.json") && !outputs.contains("pair.f64"), "{outputs}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Answer of `solve`: the solution, its judgement apart from the solvers, and both as JSON and as text.
 
-use super::bound::{self, BoundaryWords};
+use super::bound;
 use super::clock::Part;
 use super::request::Request;
 use super::{points, truth};
@@ -13,13 +13,12 @@ use crate::replication::written::reason;
 use crate::table::Table;
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::Accuracy;
-use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::discrete::kkt::StateCounts;
 use signorini_mathematics::mesh::PointValue;
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::problem::text::{Written, known, plain};
+use signorini_mathematics::problem::text::{Written, plain};
 use signorini_mathematics::saddle::Pair;
-use signorini_mathematics::solvers::{Reached, Run, Solved, Solver};
+use signorini_mathematics::solvers::{Run, Solved, Solver};
 
 /// Digits of an energy, unless more are asked for.
 const DIGITS: usize = 7;
@@ -36,10 +35,8 @@ fn states_in_words(states: StateCounts, law: Law) -> String {
 pub(super) struct Answer {
     /// Solution, with the problem on its levels.
     pub solved: Solved,
-    /// Arcs in contact, with ends estimated within the cell unless the solution is the true one; `None` in space.
-    contact: Option<Vec<ContactArc>>,
-    /// Total contact force: sum of r over the nodes in contact, and of the law's flux over the others.
-    pub force: f64,
+    /// Numbers of the solution, as tables and JSON have them.
+    numbers: Numbers,
     /// v and its gradient at the points that are asked for.
     pub values: Vec<PointValue>,
     /// Warnings and failure.
@@ -48,13 +45,13 @@ pub(super) struct Answer {
 
 impl Answer {
     pub(super) fn new(request: &Request, solved: Solved) -> Self {
-        let (contact, force) = (solved.contact(), solved.force());
         let values = solved.values_at(&request.points);
         let record = request.judge().record(&solved);
+        let numbers = Numbers::of(&request.statement, &solved, &record);
         if solved.run().is_some() {
             request.clock.ended(Part::Bounds);
         }
-        Self { solved, contact, force, values, record }
+        Self { solved, numbers, values, record }
     }
 
     /// Nodal values on the finest level, and the multiplier; those of a true solution take a while.
@@ -66,16 +63,14 @@ impl Answer {
     }
 
     /// Returns the energy that answers and, if it is another, that of v.
-    fn energy_in_words(&self, request: &Request) -> String {
-        let (energy, of_v) =
-            (details::answering_energy(&request.statement, &self.solved), self.solved.energy());
-        let bracket = self.solved.bounds().last().and_then(|bounds| bounds.as_ref().ok());
-        let (bracket, digits) = match request.statement.accuracy() {
-            Some(Accuracy::Energy(_)) => (bracket.map(|bounds| bounds.energy), 16),
-            _ => (None, DIGITS),
+    fn energy_in_words(&self, request: &Request, run: &Run) -> String {
+        let of_v = run.last().energy;
+        let digits = match request.statement.accuracy() {
+            Some(Accuracy::Energy(_)) => 16,
+            _ => DIGITS,
         };
-        let mut text = format!("energy {}\n", known(energy, bracket, digits));
-        if energy != of_v {
+        let mut text = format!("energy {}\n", self.numbers.shown_energy(digits));
+        if self.solved.energy() != of_v {
             text += &format!("energy of the linear v {}\n", plain(of_v, DIGITS));
         }
         text
@@ -83,8 +78,7 @@ impl Answer {
 
     /// Returns the answer in JSON, with what belongs to this command alone.
     pub(super) fn json(&self, request: &Request) -> Value {
-        let numbers = Numbers::of(&request.statement, &self.solved, &self.record);
-        let mut json = numbers.json();
+        let mut json = self.numbers.answer(&request.statement);
         json.insert("schema".into(), 1.into());
         json.insert("scene".into(), json!(request.name));
         json.insert("seconds".into(), request.clock.json());
@@ -107,14 +101,14 @@ impl Answer {
     pub(super) fn text(&self, request: &Request, recover: bool, points_in_file: bool) -> String {
         let levels = self.solved.problem.levels();
         let (name, f) = (&request.name, &levels.facts().f);
-        let integral = plain(details::integral(&self.solved), 4);
+        let integral = plain(self.solved.integral(), 4);
         let mut text = format!("{name}: f = {f}, integral {integral}\n");
         if self.record.failure.is_some() {
             text += "not a solution, but where the solver ended:\n";
         }
         match (self.solved.truth(), self.solved.run()) {
             (Some(found), _) => {
-                text += &truth::text(&self.solved);
+                text += &truth::text(&self.solved, &self.numbers);
                 text += &request.clock.text("setup", &format!(" ({} Newton steps)", found.steps));
             }
             (None, Some(run)) => {
@@ -133,11 +127,9 @@ impl Answer {
     /// Returns what was asked for: the energy with its bounds, v, and the contact.
     fn solution(&self, request: &Request, run: &Run, recover: bool) -> String {
         let (problem, levels) = (&self.solved.problem, self.solved.problem.levels());
-        let (last, law, integral) = (run.last(), problem.law(), levels.facts().integral);
-        let mut text = self.energy_in_words(request);
-        if !last.verdict().is_failure() || request.statement.accuracy().is_some() {
-            text += &bound::text(&self.solved, recover);
-        }
+        let (last, law) = (run.last(), problem.law());
+        let mut text = self.energy_in_words(request, run);
+        text += &bound::text(&self.numbers, recover);
         if let Some(errors) = self.solved.errors() {
             let [l2, h1, max] = [errors.l2, errors.h1, errors.max].map(|error| plain(error, 3));
             text += &format!("errors: L2 {l2}, H1 {h1}, nodes {max}");
@@ -148,7 +140,7 @@ impl Answer {
         }
         let [least, greatest] = last.range.map(|v| plain(v, 6));
         text += &format!("v from {least} to {greatest}\n");
-        let arcs = self.contact.as_deref().unwrap_or_default();
+        let arcs = self.solved.contact().unwrap_or_default();
         text += &states_in_words(run.judgement.state_counts(), law);
         let parts = problem.parts_in_contact(&run.judgement);
         if let Some(parts) = parts.as_ref().filter(|parts| arcs.is_empty() && !parts.is_empty()) {
@@ -162,15 +154,7 @@ impl Answer {
             };
         }
         text.push('\n');
-        let words = BoundaryWords::of(&self.solved);
-        for arc in arcs {
-            let part = arc.part.clone().filter(|_| parts.is_some());
-            text += &words.arc(&ContactArc { part, ..arc.clone() });
-        }
-        text += &words.force([self.force, 0.0 - integral]);
-        if problem.domain(problem.finest()).has_fixed_part() {
-            text += "fixed parts carry the difference\n";
-        }
+        text += &bound::boundary(&self.solved);
         if load_misses(problem, last) {
             let minus_sum = plain(0.0 - last.sum_load, 6);
             text += &format!("minus the sum of the load {minus_sum}\n");
@@ -183,11 +167,11 @@ impl Answer {
         let (problem, solver) = (&self.solved.problem, request.statement.solver);
         let mut settings = vec![format!("solver {solver}")];
         settings.extend((run.solver != solver).then(|| format!("then {}", run.solver)));
-        settings.extend(match details::way(&self.solved) {
+        settings.extend(match self.solved.way() {
             Some(way) => Some(format!("{} {} meshes", way.tried, way.kind())),
             None => request.refined(problem.finest()),
         });
-        for (name, value) in details::settings(&request.statement, problem.law()) {
+        for (name, value) in details::settings(&request.statement) {
             settings.push(match (value.as_str(), value.as_f64()) {
                 (Some(text), _) => format!("{name} {text}"),
                 (None, Some(number)) => format!("{name} {}", Written(number)),
@@ -210,8 +194,9 @@ impl Answer {
 
     /// Returns the end of the way to an accuracy on meshes, the last with so many nodes.
     fn end_of_meshes(&self, nodes: usize) -> Option<String> {
-        let Reached { tried, end, .. } = details::way(&self.solved)?;
-        Some(format!("{tried} meshes, the last of {nodes} nodes: {}\n", reason(*end)))
+        let way = self.solved.way()?;
+        let (tried, reason) = (way.tried, reason(way.end));
+        Some(format!("{tried} meshes, the last of {nodes} nodes: {reason}\n"))
     }
 
     fn table(&self, request: &Request, Run { ends, .. }: &Run) -> String {
@@ -229,7 +214,7 @@ impl Answer {
             let mut row = vec![
                 outcome.label(),
                 outcome.end.iterations.to_string(),
-                match details::way(&self.solved) {
+                match self.solved.way() {
                     Some(_) => outcome.end.stop.name().to_owned(),
                     None => outcome.name().to_owned(),
                 },

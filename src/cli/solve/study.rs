@@ -10,7 +10,6 @@ use crate::cli::output::{OutputFile, in_columns, paragraph, say, tell};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::found;
 use crate::pipeline::{InputFile, InputFiles, bar};
-use crate::replication::columns::shown;
 use crate::replication::fields::member::Member;
 use crate::replication::fields::read::overridden;
 use crate::replication::fields::table::Voice;
@@ -18,14 +17,14 @@ use crate::replication::fields::vary::Vary;
 use crate::replication::mesh_files::path_of;
 use crate::replication::numbers::Numbers;
 use crate::replication::scene::Scene;
-use crate::replication::stages::study::AskedNumbers;
+use crate::replication::stages::solve::numbers;
 use crate::replication::study::{Study, WARNINGS, count_of};
 use crate::table::Table;
 use crate::timing::machine;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
-use signorini_mathematics::problem::text::plain;
+use signorini_mathematics::problem::text::percent;
 use signorini_mathematics::solvers::Memory;
 use signorini_mathematics::statement::Statement;
 use std::collections::BTreeSet;
@@ -54,7 +53,7 @@ impl<'a> Asked<'a> {
     /// Returns the study for which the arguments and the scene that they name ask, checked but for whether its members
     /// have solutions; none if they ask for one solution.
     pub(super) fn read(args: &'a SolveArgs, scene: Option<&Scene>) -> Result<Option<Self>> {
-        let of_scene = scene.and_then(|scene| scene.study.as_ref());
+        let of_scene = scene.filter(|scene| scene.is_study).map(|scene| &scene.study);
         let study = match (of_scene, args.vary.is_empty()) {
             (None, true) if args.csv.is_some() => {
                 return Err(Error::input(
@@ -139,10 +138,9 @@ impl<'a> Asked<'a> {
         }
         let (_at_work, interrupt) = (at_work(), interrupted());
         let solved = self.study.members.par_iter().map(|Member { statement, .. }| {
-            let asked = AskedNumbers { statement: statement.clone() };
             let numbers = match interrupt.is_asked() {
                 true => Err(Error::Interrupted),
-                false => asked.numbers(self.voice, &self.files, interrupt.flag()),
+                false => numbers((statement, self.voice), &self.files, interrupt.flag()),
             };
             bar.iter().for_each(|bar| bar.inc(1));
             match numbers {
@@ -199,7 +197,7 @@ pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
     if interrupted().is_asked() {
         return Err(Error::Interrupted);
     }
-    match solved.iter().map(Numbers::reason).collect::<Option<Vec<_>>>() {
+    match solved.iter().map(|of| of.reason.as_ref()).collect::<Option<Vec<_>>>() {
         Some(reasons) => {
             let not_saved = if asked.saved.is_some() { "; no scene is written" } else { "" };
             let reason = format!("no member has a solution{not_saved}: {}", reasons[0]);
@@ -228,8 +226,9 @@ fn checked_csv(path: &Path) -> Result<OutputFile> {
 /// are also beside the rest.
 fn lines(Asked { study, scene_name, .. }: &Asked, solved: &[Numbers]) -> String {
     let mut text = String::new();
-    for ((member, numbers), mut line) in study.members.iter().zip(solved).zip(study.rows(solved)) {
-        line.extend(numbers.details().clone());
+    for ((member, numbers), row) in study.members.iter().zip(solved).zip(study.rows(solved)) {
+        let mut line = numbers.answer(&member.statement);
+        line.extend(row);
         let values = study.values(member).map(|value| value.json());
         let varied: Map<String, Value> = study.names.iter().cloned().zip(values).collect();
         line.insert("varied".into(), varied.into());
@@ -243,42 +242,24 @@ fn lines(Asked { study, scene_name, .. }: &Asked, solved: &[Numbers]) -> String 
 
 /// Returns the table with the digits that are read, and what is asked for first on the left.
 fn for_people(study: &Study, solved: &[Numbers]) -> Table {
-    const SHOWN: [(&str, &str, usize); 6] = [
-        ("energy", "energy", 7),
-        ("contact_length", "contact", 4),
-        ("force", "force", 4),
-        ("v_least", "v from", 4),
-        ("v_greatest", "to", 4),
-        ("nodes", "nodes", 0),
-    ];
-    let mut head = study.names.clone();
-    head.extend(["energy", "error"].map(str::to_owned));
-    head.extend(SHOWN[1..].iter().map(|(_, name, _)| (*name).to_owned()));
+    let columns = ["energy", "error", "contact", "force", "v from", "to", "nodes"];
     let marks = study.marks(solved);
-    head.extend(marks.iter().map(|&name| name.to_owned()));
+    let head = study.names.iter().map(String::as_str).chain(columns).chain(marks.iter().copied());
     let mut table = Table::new(head, &[]);
-    for (member, numbers) in study.members.iter().zip(solved) {
-        let mut cells = Vec::new();
-        for (column, _, digits) in SHOWN {
-            cells.push(match digits {
-                0 => numbers.cells(&[column]).concat(),
-                digits => {
-                    shown((column, digits), numbers.has_true_energy(), |name| numbers.number(name))
-                        .unwrap_or_default()
-                }
-            });
-        }
-        let error = numbers.number("error_relative");
-        let error =
-            error.map_or_else(String::new, |error| format!("{} %", plain(100.0 * error, 3)));
-        cells.insert(1, error);
+    for (member, of) in study.members.iter().zip(solved) {
+        let mut row: Vec<String> = study.values(member).map(|value| value.to_string()).collect();
+        let digits = [("contact_length", 4), ("force", 4), ("v_least", 4), ("v_greatest", 4)];
+        row.push(of.shown_energy(7));
+        row.push(of.error_relative.map_or(String::new(), |error| percent(error, 3)));
+        row.extend(of.shown(digits));
+        row.push(of.nodes.map_or(String::new(), |nodes| nodes.to_string()));
         for &mark in &marks {
-            cells.push(match mark {
-                WARNINGS => count_of(numbers),
-                mark => numbers.cells(&[mark]).concat(),
+            row.push(match mark {
+                WARNINGS => count_of(of),
+                mark => of.cells(&[mark]).concat(),
             });
         }
-        table.rows.push(study.values(member).map(|value| value.to_string()).chain(cells).collect());
+        table.rows.push(row);
     }
     table.with_columns(|_| true)
 }

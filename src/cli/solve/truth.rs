@@ -1,35 +1,25 @@
 //! Parts of an answer that only a true solution has: its numbers, and the checks that they stand.
 
-use super::bound::{self, BoundaryWords, TEN};
+use super::bound::{self, TEN};
 use super::clock::turning;
+use crate::replication::numbers::Numbers;
 use indicatif::ProgressBar;
-use signorini_mathematics::discrete::contact::ContactArc;
-use signorini_mathematics::problem::text::{known, plain};
+use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::solvers::Solved;
 use signorini_mathematics::spectral::PlaneChecks;
 
 /// Returns a true solution in words; nothing of another.
-pub(super) fn text(solved: &Solved) -> String {
+pub(super) fn text(solved: &Solved, numbers: &Numbers) -> String {
     let Some(found) = solved.truth() else { return String::new() };
-    let (problem, law) = (&solved.problem, solved.problem.law());
-    let words = BoundaryWords::of(solved);
+    let law = solved.problem.law();
     let mut text = String::new();
     if !law.is_signorini() {
         text += &format!("law {law}\n");
     }
     let digits = if found.bracket.is_ok() { 16 } else { TEN };
-    let energy = known(found.energy, found.bracket.ok(), digits);
-    text += &format!("energy {energy}\n{}", bound::text(solved, false));
-    let has_parts = problem.levels().mesh(0).part_names().nth(1).is_some();
-    for arc in &found.contact {
-        let part = arc.part.clone().filter(|_| has_parts);
-        text += &words.arc(&ContactArc { part, ..arc.clone() });
-    }
-    text += &words.force([found.force, 0.0 - found.integral]);
-    if problem.domain(problem.finest()).has_fixed_part() {
-        text += "fixed parts carry the difference\n";
-    }
-    text + &checks(&found.checks)
+    let energy = numbers.shown_energy(digits);
+    text += &format!("energy {energy}\n{}", bound::text(numbers, false));
+    text + &bound::boundary(solved) + &checks(&found.checks)
 }
 
 /// Returns checks in words: the signs that hold, and the numbers that vanish.

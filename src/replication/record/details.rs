@@ -3,14 +3,12 @@
 //! Central is [`details`]: `solve` prints them, a study with its members, and the artifact of a member has them.
 
 use super::Record;
+use super::levels::{LevelNumbers, Residuals};
 use serde_json::{Map, Value, json};
 use signorini_mathematics::bounds::Accuracy;
-use signorini_mathematics::discrete::end::Outcome;
-use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::solvers::{Reached, Run, SaddleSettings, Solved, Solver};
+use signorini_mathematics::solvers::{Run, SaddleSettings, Solved};
 use signorini_mathematics::spectral::TrueSolution;
 use signorini_mathematics::statement::{Fineness, Statement};
-use std::collections::BTreeMap;
 
 /// Returns the details of the answer to a statement.
 pub(crate) fn details(
@@ -24,12 +22,12 @@ pub(crate) fn details(
     insert(json!({
         "f": facts.f,
         "dimension": facts.dimension,
-        "integral_f": integral(solved),
+        "integral_f": solved.integral(),
         "contact": solved.contact(),
         "bound": bound(solved),
         "failure": record.refusal().map(|failure| &failure.fact),
     }));
-    if let Some(Err(reason)) = solved.bounds().last() {
+    if let Some(reason) = solved.no_bound() {
         insert(json!({ "bound_reason": reason.to_string() }));
     }
     if !law.is_signorini() {
@@ -45,33 +43,12 @@ pub(crate) fn details(
     json
 }
 
-/// Integral of f: of a true solution over the domain, else over the finest level.
-pub(crate) fn integral(solved: &Solved) -> f64 {
-    let facts = solved.problem.levels().facts();
-    let integral = solved.truth().map_or(facts.integral, |found| found.integral);
-    facts.without_rounding(integral)
-}
-
-/// Energy that answers, with the accuracy of the energy that was asked for: that of v, or the number of the guaranteed
-/// bracket that is nearest to it.
-pub(crate) fn answering_energy(statement: &Statement, solved: &Solved) -> f64 {
-    let of_v = solved.energy();
-    match (statement.accuracy(), solved.bounds().last()) {
-        (Some(Accuracy::Energy(_)), Some(Ok(bounds))) => bounds.nearest_energy(of_v),
-        _ => of_v,
-    }
-}
-
-/// Way to an accuracy on meshes, if that is how the answer was found.
-pub(crate) fn way(solved: &Solved) -> Option<&Reached> {
-    solved.reached.as_ref().filter(|reached| reached.marks.is_some())
-}
-
-/// Returns the settings, by name, on which an answer depends besides f, the solver and the levels.
-pub(crate) fn settings(statement: &Statement, law: Law) -> Vec<(&'static str, Value)> {
+/// Returns the settings, by name, on which an answer on levels depends besides f and the solver. A result that does not
+/// depend on them is the same with others: a record has none.
+pub(crate) fn settings(statement: &Statement) -> Vec<(&'static str, Value)> {
     let Statement { load, saddle, tolerance, .. } = statement;
     let mut settings = Vec::new();
-    if !law.is_signorini() {
+    if let (Some(_), Ok(law)) = (statement.law, statement.law()) {
         settings.push(("law", law.to_string().into()));
     }
     settings.extend(load.map(|rule| ("load", rule.name().into())));
@@ -96,7 +73,7 @@ fn finite(value: f64) -> Option<f64> {
 
 /// Guaranteed bounds on the finest level; null without.
 fn bound(solved: &Solved) -> Value {
-    let Some(Ok(bounds)) = solved.bounds().last() else { return Value::Null };
+    let Some(bounds) = solved.last_bounds() else { return Value::Null };
     let mut json = json!({
         "energy": bounds.energy,
         "error": bounds.error,
@@ -121,12 +98,8 @@ fn of_truth(found: &TrueSolution) -> Value {
 
 /// Details of a solution on levels.
 fn on_levels(statement: &Statement, solved: &Solved, run: &Run) -> Value {
-    let (problem, last, kkt) = (&solved.problem, run.last(), run.last().kkt);
+    let (problem, last) = (&solved.problem, run.last());
     let states = run.judgement.state_counts();
-    let mut grids = Vec::new();
-    for (level, outcome) in (run.first_level..).zip(&run.ends) {
-        grids.push(on_level(statement.solver, level, outcome));
-    }
     let mut json = json!({
         // Of the square and the cube that of their cells, on other meshes the longest edge.
         "h": match statement.fineness {
@@ -134,17 +107,9 @@ fn on_levels(statement: &Statement, solved: &Solved, run: &Run) -> Value {
             _ => problem.levels().facts().width,
         },
         "unknowns": run.y.len(),
-        "grids": grids,
+        "grids": LevelNumbers::all(statement, solved, run),
         "sum_load": last.sum_load,
-        "kkt": {
-            "stationarity": kkt.stationarity,
-            "min_y": kkt.min_y,
-            "min_lambda": kkt.min_lambda,
-            "complementarity": run.judgement.work,
-            "max_min": kkt.complementarity,
-            "natural": kkt.natural,
-            "relative": kkt.relative,
-        },
+        "kkt": Residuals::of(last),
         "contact_nodes": { "nodes": states.sticks, "boundary_nodes": states.all() },
     });
     if !problem.law().is_signorini() {
@@ -162,8 +127,7 @@ fn on_levels(statement: &Statement, solved: &Solved, run: &Run) -> Value {
 
 /// Details of the way in which a solution on levels was found.
 fn of_method(statement: &Statement, solved: &Solved, run: &Run) -> Value {
-    let settings = settings(statement, solved.problem.law());
-    let mut json = json!({ "settings": settings.into_iter().collect::<BTreeMap<_, _>>() });
+    let mut json = json!({});
     if statement.solver.is_nested() {
         json["sweeps"] = run.last().end.sweeps().into();
         let sweeps = run.ends.iter().map(|outcome| outcome.end.sweeps());
@@ -173,36 +137,14 @@ fn of_method(statement: &Statement, solved: &Solved, run: &Run) -> Value {
     if let Accuracy::Energy(_) = accuracy {
         json["energy_of_linear_v"] = run.last().energy.into();
     }
-    if let Some(way) = way(solved) {
-        let bounds = solved.bounds().last().and_then(|bounds| bounds.as_ref().ok());
+    if let Some(way) = solved.way() {
         json["adapted"] = json!({
             "meshes": way.tried,
             "kind": way.kind(),
             "nodes": run.y.len(),
-            "reached": bounds.map(|bounds| accuracy.reached(bounds)),
+            "reached": solved.last_bounds().map(|bounds| accuracy.reached(bounds)),
             "end": way.end.name(),
         });
-    }
-    json
-}
-
-/// Outcome of a solver on the level with this number, as JSON.
-fn on_level(solver: Solver, level: usize, outcome: &Outcome) -> Value {
-    let mut json = json!({
-        "iterations": outcome.end.iterations,
-        "stop": outcome.name(),
-        "energy": outcome.energy,
-        "sum_load": outcome.sum_load,
-        "nodes": outcome.nodes,
-        // On a coarse grid the natural residual is enough.
-        "kkt": { "natural": outcome.kkt.natural, "relative": outcome.kkt.relative },
-    });
-    match outcome.cells {
-        Some(cells) => json["cells"] = cells.into(),
-        None => json["refinement"] = level.into(),
-    }
-    if solver.is_nested() {
-        json["sweeps"] = outcome.end.sweeps().into();
     }
     json
 }

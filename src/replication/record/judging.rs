@@ -10,7 +10,7 @@ use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::verdict::Verdict;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::problem::text::{Written, plain};
+use signorini_mathematics::problem::text::{Written, percent, plain};
 use signorini_mathematics::saddle::{StopRule, tolerance};
 use signorini_mathematics::solvers::{Solved, Solver};
 use signorini_mathematics::statement::{Fineness, Statement};
@@ -40,11 +40,7 @@ pub(crate) struct Judge<'a> {
 impl Judge<'_> {
     /// Decides whether an answer is a solution, and collects the warnings.
     pub(crate) fn record(self, solved: &Solved) -> Record {
-        let facts = solved.problem.levels().facts();
-        let outside = facts.outside.iter();
-        let outside = outside
-            .map(|piece| format!("{piece} of f lies outside [-0.5,0.5] and changes nothing"));
-        let notes = facts.notes.iter().cloned().chain(outside).map(Warning::fact);
+        let notes = solved.problem.levels().facts().notes.iter().cloned().map(Warning::fact);
         let Some(last) = solved.ends().last() else {
             let of_truth = solved.truth().into_iter().flat_map(|found| found.notes.clone());
             let warnings =
@@ -66,8 +62,8 @@ impl Judge<'_> {
             warnings.extend(no_bound(solved));
         }
         let mut shortfall = None;
-        match (solved.bounds().last(), self.statement.accuracy(), &failure) {
-            (Some(Ok(bounds)), None, None) => {
+        match (solved.last_bounds(), self.statement.accuracy(), &failure) {
+            (Some(bounds), None, None) => {
                 warnings.extend(self.of_bounds(bounds, last.energy));
             }
             (_, Some(accuracy), None) => shortfall = self.voice.shortfall(accuracy, solved),
@@ -355,7 +351,7 @@ impl Judge<'_> {
         let relative = bound.relative();
         if relative >= POOR {
             let error = match relative < 1.0 {
-                true => format!("{:.0} % of the solution", 100.0 * relative),
+                true => format!("{} of the solution", percent(relative, 2)),
                 false => "as large as the solution".into(),
             };
             let remedy = match self.statement.solver {
@@ -370,7 +366,7 @@ impl Judge<'_> {
 
 /// Warns if there is no bound of the error.
 fn no_bound(solved: &Solved) -> Option<Warning> {
-    let reason = solved.bounds().last()?.as_ref().err()?;
+    let reason = solved.no_bound()?;
     Some(Warning::fact(format!("no bound of the error: {reason}")))
 }
 

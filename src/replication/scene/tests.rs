@@ -17,15 +17,15 @@ fn defaults_are_the_papers_for_its_tables_and_else_those_of_solve() {
     assert_eq!(papers.statement.solver, Solver::ArrowHurwicz);
     assert_eq!(papers.load(), LoadRule::default());
     assert_eq!(papers.r(), [1e6, 10.0, 5.0, 1.0, 0.5]);
-    assert_eq!(papers.stop(), [StopRule::Signed]);
+    assert_eq!(papers.rules(), [Some(StopRule::Signed)]);
     assert!(papers.wants(Output::Table) && !papers.wants(Output::Surface));
     let own = Scene::parse("s", GOOD).unwrap();
     assert_eq!((own.finest().cells(), own.statement.solver), (64, Solver::Multigrid));
     assert_eq!(own.load(), LoadRule::Bilinear {});
-    assert!(own.runs.is_none());
+    assert_eq!(own.rules(), [None]);
     let method = Scene::parse("s", &format!("{GOOD}solver = \"uzawa\"\n")).unwrap();
     assert_eq!(method.load(), own.load());
-    assert_eq!((method.r(), method.stop()), (&[10.0][..], &[StopRule::Printed][..]));
+    assert_eq!((method.r(), method.rules()), (vec![10.0], vec![Some(StopRule::Printed)]));
 }
 
 #[test]

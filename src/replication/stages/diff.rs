@@ -1,6 +1,7 @@
 //! The `diff` stage: the table of one scene against the published one.
 
-use super::{solve, tabulate, to_json};
+use super::tabulate::{self, SolveOfRun};
+use super::to_json;
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Artifacts, Task};
 use crate::replication::paper::Paper;
@@ -19,8 +20,8 @@ pub(crate) fn id(scene: &Scene) -> String {
 #[derive(Serialize, Deserialize)]
 struct Compared {
     scene: String,
-    /// Ids of the tasks whose counts are compared.
-    solves: Vec<String>,
+    /// Solves whose counts are compared.
+    solves: Vec<SolveOfRun>,
     /// The published table alone.
     paper: Paper,
 }
@@ -40,12 +41,19 @@ pub(crate) fn task(project: &Project, scene: &Scene, number: u8) -> Result<Task>
         )));
     }
     let paper = Paper { r: project.paper.r.clone(), table: vec![table.clone()] };
-    let solves: Vec<String> = solve::ids(scene, scene.first_rule()).collect();
-    let (needs, name) = (solves.clone(), scene.name.clone());
+    let solves = scene.under(scene.first_rule()).map(|member| SolveOfRun::of(scene, member));
+    let solves: Vec<_> = solves.collect();
+    let needs = solves.iter().map(|solve| solve.task.clone()).collect();
+    let name = scene.name.clone();
     let compared = Compared { scene: name, solves, paper };
     Ok(Task::new(id(scene), &compared, needs, |Compared { scene, solves, paper }, inputs| {
         let number = paper.table[0].number;
-        let diff = paper.compare(number, scene, &tabulate::rows(inputs, solves)?)?;
+        let mut rows = Vec::new();
+        for solve in solves {
+            let levels = solve.numbers(inputs)?.levels();
+            rows.extend(solve.saddle.map(|of| tabulate::row(of.r, &levels)));
+        }
+        let diff = paper.compare(number, scene, &rows)?;
         Ok(Artifacts::from([(DIFF.into(), to_json(&diff))]))
     }))
 }

@@ -18,6 +18,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::identify::Findings;
+use signorini_mathematics::problem::text::percent;
 use signorini_mathematics::solvers::{SaddleSettings, true_solution};
 
 /// Kind of figure.
@@ -113,7 +114,8 @@ fn task(kind: &Kind, name: &str, scenes: &[&Scene]) -> Task {
             picture.note = bounds(inputs, scenes)?;
         }
         if let (Output::Map, [scene]) = (kind, &scenes[..]) {
-            picture.note = solve::warnings_in_words(inputs, scene)?;
+            let numbers = solve::drawn(inputs, scene, scene.first_rule())?;
+            picture.note = solve::warnings_in_words(scene, &numbers);
         }
         let caption = KINDS.iter().find(|one| one.output == *kind).map_or("", |one| one.caption);
         let titles: Vec<&str> = scenes.iter().map(|scene| &*scene.title).collect();
@@ -135,15 +137,18 @@ fn titled(scene: &Scene) -> Scene {
 /// alone read.
 fn shown(kind: Output, scene: &Scene) -> Scene {
     let mut shown = Scene { outputs: vec![kind], ..scene.clone() };
-    let Some(runs) = &mut shown.runs else { return shown };
-    let drawn = shown.statement.saddle.unwrap_or_default();
-    shown.statement.saddle =
-        Some(SaddleSettings { r: drawn.r, stop: drawn.stop, ..SaddleSettings::default() });
-    if kind != Output::History {
-        runs.r = vec![drawn.r];
+    if scene.is_study {
+        return shown;
     }
-    if kind != Output::Contact {
-        runs.stop.truncate(1);
+    let drawn = scene.saddle();
+    let members = &mut shown.study.members;
+    members.retain(|member| {
+        (kind == Output::History || member.r().is_none_or(|r| r == drawn.r))
+            && (kind == Output::Contact || member.rule().is_none_or(|rule| rule == drawn.stop))
+    });
+    let statements = members.iter_mut().map(|member| &mut member.statement);
+    for saddle in statements.chain([&mut shown.statement]).filter_map(|of| of.saddle.as_mut()) {
+        *saddle = SaddleSettings { r: saddle.r, stop: saddle.stop, ..SaddleSettings::default() };
     }
     shown
 }
@@ -152,13 +157,16 @@ fn shown(kind: Output, scene: &Scene) -> Scene {
 fn needs(output: Output, scene: &Scene) -> Vec<String> {
     match output {
         Output::Surface | Output::Map => vec![surface(scene)],
-        Output::History => solve::ids(scene, scene.first_rule()).collect(),
+        Output::History => {
+            let members = scene.under(scene.first_rule());
+            members.map(|member| solve::id_of(scene, member)).collect()
+        }
         Output::Contact => {
             let drawn = scene.rules().into_iter().map(|rule| scene.drawn(rule));
-            drawn.map(|run| solve::id_of(scene, run)).collect()
+            drawn.map(|member| solve::id_of(scene, member)).collect()
         }
         Output::Identify => vec![identify::id(scene)],
-        Output::Chart => study::members(scene).map(|(_, task)| task).collect(),
+        Output::Chart => solve::ids(scene).collect(),
         Output::Source | Output::Table => Vec::new(),
     }
 }
@@ -273,26 +281,26 @@ fn numbers(inputs: &Inputs, scenes: &[Scene]) -> Result<String, Failure> {
     let mut table = "energy,energy_lower,energy_upper,error,held\n".to_owned();
     for scene in scenes {
         let rule = scene.first_rule();
-        let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
-        let bounds = outcomes.last_bounds();
+        let found = solve::drawn(inputs, scene, rule)?;
+        let bounds = solve::bounds(scene, &found);
         let bounds = bounds.map(|of| [of.energy[0], of.energy[1], of.relative()]);
         let [lower, upper, error] =
             bounds.map_or_else(Default::default, |all| all.map(|x| x.to_string()));
+        let energy = found.energy.unwrap_or(f64::NAN);
         let problem = solve::problem(inputs, scene)?;
         let held = solve::held(&problem, &solve::pair(inputs, scene, rule, &problem)?);
-        table += &format!("{},{lower},{upper},{error},{held}\n", outcomes.energy);
+        table += &format!("{energy},{lower},{upper},{error},{held}\n");
     }
     Ok(table)
 }
 
 /// Returns the title of a scene, with the end of its solver unless that is a solution, above the bound of its error.
 fn title_with_bound(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
-    let (title, rule) = (title_with_end(inputs, scene)?, scene.first_rule());
-    let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
-    let is_solution = rule.is_none() && solve::no_solution(inputs, scene, rule)?.is_none();
-    let relative = outcomes.last_bounds().map(Bounds::relative).filter(|&error| error < 1.0);
-    Ok(match relative.filter(|_| is_solution && !title.is_empty()) {
-        Some(error) => format!("{title}\nerror at most {}", solve::percent(error)),
+    let title = title_with_end(inputs, scene)?;
+    let bounds = solve::bounds(scene, &solve::drawn(inputs, scene, scene.first_rule())?);
+    let relative = bounds.as_ref().map(Bounds::relative).filter(|&error| error < 1.0);
+    Ok(match relative.filter(|_| !title.is_empty()) {
+        Some(error) => format!("{title}\nerror at most {}", percent(error, 3)),
         None => title,
     })
 }
@@ -301,7 +309,8 @@ fn title_with_bound(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
 /// problems is of the place where its rule stops, which the page says.
 fn title_with_end(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
     let (title, rule) = (&scene.title, scene.first_rule());
-    Ok(match solve::no_solution(inputs, scene, rule)? {
+    let numbers = solve::drawn(inputs, scene, rule)?;
+    Ok(match solve::no_solution(&numbers) {
         _ if title.is_empty() => String::new(),
         Some(end) => format!("{title} ({end})"),
         None => {
@@ -309,7 +318,7 @@ fn title_with_end(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
             if rule.is_some() && scene.paper_table.is_none() {
                 title += ", where the rule stops";
             }
-            match solve::warnings(inputs, scene)?.len() {
+            match solve::warnings(scene, &numbers).len() {
                 0 => title,
                 1 => title + " (a warning)",
                 count => format!("{title} ({count} warnings)"),
@@ -322,17 +331,18 @@ fn title_with_end(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
 fn bounds(inputs: &Inputs, scenes: &[Scene]) -> Result<String, String> {
     let mut sentences = String::new();
     for scene in scenes {
-        sentences += &solve::bounds_in_words(inputs, scene)?;
+        let numbers = solve::drawn(inputs, scene, scene.first_rule())?;
+        sentences += &solve::bounds_in_words(scene, &numbers);
     }
     Ok(sentences)
 }
 
 fn history<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<HistoryPanel<'a>, String> {
     let mut runs = Vec::new();
-    let drawn = scene.drawn(scene.first_rule()).map(|drawn| drawn.r);
-    for (task, r) in solve::ids(scene, scene.first_rule()).zip(scene.r()) {
-        let levels = from_json(inputs, &task, HISTORY)?;
-        let is_drawn = drawn == Some(*r);
+    let drawn = scene.drawn(scene.first_rule());
+    for (member, r) in scene.under(scene.first_rule()).zip(scene.r()) {
+        let levels = from_json(inputs, &solve::id_of(scene, member), HISTORY)?;
+        let is_drawn = member == drawn;
         runs.push(HistoryCurve { label: format!("r = {r}"), is_drawn, levels });
     }
     Ok(HistoryPanel { title: &scene.title, grids: scene.grids(), runs })
@@ -346,7 +356,7 @@ fn draw_contact(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
         let problem = solve::problem(inputs, scene)?;
         let mut ends = Vec::new();
         for rule in scene.rules() {
-            ends.push(solve::no_solution(inputs, scene, rule)?);
+            ends.push(solve::no_solution(&solve::drawn(inputs, scene, rule)?));
         }
         // An end that several rules have, and no other does, is said once.
         let is_common = ends.len() > 1 && ends.iter().all(|end| *end == ends[0]);

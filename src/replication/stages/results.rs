@@ -1,23 +1,20 @@
 //! The table of all results: every scene, rule, r and grid beside the published numbers, for other programs to
 //! read, and the joins and aggregates of it that the book shows.
 
-use super::from_json;
-use super::solve::{self, CONVERGED, OUTCOMES, Outcomes};
+use super::tabulate::SolveOfRun;
 use crate::pipeline::{Artifacts, Inputs, Task};
 use crate::replication::comparison::TableComparison;
 use crate::replication::paper::{Paper, PublishedTable};
 use crate::replication::project::Project;
-
-use crate::replication::scene::{Output, RuleAndR, Scene};
+use crate::replication::record::levels::LevelNumbers;
+use crate::replication::scene::{Output, Scene};
 use polars::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use signorini_mathematics::bounds::Bounds;
-use signorini_mathematics::discrete::end::Outcome;
-use signorini_mathematics::levels::Reserve;
+use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::saddle::{StopRule, tolerance};
-use signorini_mathematics::solvers::Solver;
+use signorini_mathematics::solvers::{SaddleSettings, Solver};
 use std::io::Cursor;
 
 pub(super) const ID: &str = "diff/results";
@@ -28,7 +25,7 @@ pub(super) const FILE: &str = "results.csv";
 pub(super) fn task(project: &Project) -> Option<Task> {
     let mut scenes: Vec<&Scene> = project.scenes.iter().collect();
     // A study has a table of its own.
-    scenes.retain(|scene| scene.wants(Output::Table) && scene.study.is_none());
+    scenes.retain(|scene| scene.wants(Output::Table) && !scene.is_study);
     let joined = Joined {
         scenes: scenes.into_iter().map(Solves::of).collect(),
         paper: project.paper.clone(),
@@ -65,16 +62,8 @@ struct Solves {
     runs: Vec<SolveOfRun>,
 }
 
-/// Task of one solve.
-#[derive(Serialize, Deserialize)]
-struct SolveOfRun {
-    task: String,
-    run: Option<RuleAndR>,
-}
-
 impl Solves {
     fn of(scene: &Scene) -> Self {
-        let runs = scene.rules().into_iter().flat_map(|rule| scene.runs(rule));
         Self {
             name: scene.name.clone(),
             solver: scene.statement.solver,
@@ -83,7 +72,7 @@ impl Solves {
             domain: scene.statement.domain.name.clone(),
             f: scene.statement.f.clone(),
             law: scene.statement.law,
-            runs: runs.map(|run| SolveOfRun { task: solve::id_of(scene, run), run }).collect(),
+            runs: SolveOfRun::all(scene),
         }
     }
 
@@ -200,17 +189,12 @@ fn schema() -> PolarsResult<SchemaRef> {
 /// Solve on one grid, or without a grid.
 struct GridSolve<'a> {
     scene: &'a Solves,
-    run: Option<RuleAndR>,
+    saddle: Option<SaddleSettings>,
     /// Number of the grid among those where the solver ended, from 1.
     level: usize,
-    /// End on the grid; none for the spectral solver.
-    outcome: Option<Outcome>,
-    iterations: usize,
-    /// Energy on the grid, see [`Outcomes::energy_on`], or of the true solution.
-    energy: f64,
-    bounds: Option<Bounds>,
+    found: LevelNumbers,
     /// Approximations that the bounds leave out.
-    reserve: String,
+    reserve: Option<String>,
     /// Warnings that `solve` gives, on the last grid.
     warnings: String,
 }
@@ -219,7 +203,7 @@ impl GridSolve<'_> {
     /// Place in the published table of the scene, if the paper prints r: the table and the number of its row.
     fn published_row<'p>(&self, paper: &'p Paper) -> Option<(&'p PublishedTable, usize)> {
         let table = paper.published(self.scene.paper_table?).ok()?;
-        let r = self.run?.r;
+        let r = self.saddle?.r;
         Some((table, paper.r.iter().position(|&printed| printed == r)?))
     }
 
@@ -238,51 +222,34 @@ impl GridSolve<'_> {
 
     /// True if the stopping rule was met; none for a solver without.
     fn met(&self) -> Option<bool> {
-        self.run?;
-        Some(self.outcome?.end.has_converged())
+        self.saddle?;
+        Some(self.found.own_stop? == Stop::Converged)
+    }
+
+    /// One of the bounds; none under a rule, which stops where it says.
+    fn bound(&self, bound: Option<f64>) -> Option<f64> {
+        bound.filter(|_| self.saddle.is_none())
     }
 }
 
 fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>>, String> {
     let mut solves = Vec::new();
     for scene in scenes {
-        for &SolveOfRun { ref task, run } in &scene.runs {
-            let solved: Outcomes = from_json(inputs, task, OUTCOMES)?;
-            let energies: Vec<f64> =
-                (0..solved.levels.len()).map(|level| solved.energy_on(level)).collect();
-            let last_bounds = solved.last_bounds().cloned();
-            let Outcomes { levels, bounds, reserve, iterations, energy, warnings, .. } = solved;
-            let reserve: Vec<_> = reserve.into_iter().map(Reserve::name).collect();
-            let reserve = reserve.join(" ");
-            let on_grid = GridSolve {
-                scene,
-                run,
-                level: 1,
-                outcome: None,
-                iterations,
-                energy,
-                bounds: last_bounds.filter(|_| levels.is_empty()),
-                reserve,
-                warnings: if levels.is_empty() { warnings.join("; ") } else { String::new() },
-            };
+        for solve in &scene.runs {
+            let numbers = solve.numbers(inputs)?;
+            let levels = numbers.levels();
             let finest = levels.len();
-            if levels.is_empty() {
-                solves.push(on_grid);
-                continue;
-            }
-            let bounds = bounds.into_iter().chain(std::iter::repeat(None));
-            for (((level, outcome), bounds), energy) in (1..).zip(levels).zip(bounds).zip(energies)
-            {
-                let reserve = on_grid.reserve.clone();
+            for (level, found) in (1..).zip(levels) {
                 solves.push(GridSolve {
+                    scene,
+                    saddle: solve.saddle,
                     level,
-                    outcome: Some(outcome),
-                    iterations: outcome.end.iterations,
-                    energy,
-                    bounds,
-                    reserve,
-                    warnings: if level == finest { warnings.join("; ") } else { String::new() },
-                    ..on_grid
+                    found,
+                    reserve: numbers.reserve.clone(),
+                    warnings: match level == finest {
+                        true => numbers.warnings.join("; "),
+                        false => String::new(),
+                    },
                 });
             }
         }
@@ -295,34 +262,34 @@ fn table(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
     df!(
         "problem" => column(solves, |solve| &*solve.scene.name),
         "solver" => column(solves, |solve| solve.scene.solver.entry().name),
-        "rule" => column(solves, |solve| solve.run.map(|run| run.rule.name())),
-        "r" => column(solves, |solve| solve.run.map(|run| run.r)),
-        "cells" => column(solves, |solve| solve.outcome?.cells.map(|cells| cells as i64)),
-        "nodes" => column(solves, |solve| Some(solve.outcome?.nodes as i64)),
-        "tolerance" => column(solves, |solve| solve.run.map(|_| tolerance(solve.level))),
-        "iterations" => column(solves, |solve| Some(solve.iterations as i64)),
-        "stop" => column(solves, |solve| solve.outcome.map_or(CONVERGED, |of| of.name())),
+        "rule" => column(solves, |solve| solve.saddle.map(|of| of.stop.name())),
+        "r" => column(solves, |solve| solve.saddle.map(|of| of.r)),
+        "cells" => column(solves, |solve| solve.found.cells.map(|cells| cells as i64)),
+        "nodes" => column(solves, |solve| solve.found.nodes.map(|nodes| nodes as i64)),
+        "tolerance" => column(solves, |solve| solve.saddle.map(|_| tolerance(solve.level))),
+        "iterations" => column(solves, |solve| Some(solve.found.iterations as i64)),
+        "stop" => column(solves, |solve| &*solve.found.stop),
         "met" => column(solves, GridSolve::met),
-        "gradient_signed" => column(solves, |solve| solve.outcome?.gradient_signed),
-        "gradient_abs" => column(solves, |solve| solve.outcome?.gradient_abs),
-        "delta_a" => column(solves, |solve| solve.outcome?.end.delta_a),
-        "energy" => column(solves, |solve| Some(solve.energy)),
-        "energy_lower" => column(solves, |solve| Some(solve.bounds.as_ref()?.energy[0])),
-        "energy_upper" => column(solves, |solve| Some(solve.bounds.as_ref()?.energy[1])),
-        "error_bound" => column(solves, |solve| Some(solve.bounds.as_ref()?.error[1])),
-        "error_relative" => column(solves, |solve| Some(solve.bounds.as_ref()?.relative())),
+        "gradient_signed" => column(solves, |solve| solve.found.gradient_signed),
+        "gradient_abs" => column(solves, |solve| solve.found.gradient_abs),
+        "delta_a" => column(solves, |solve| solve.found.delta_a),
+        "energy" => column(solves, |solve| solve.found.energy),
+        "energy_lower" => column(solves, |solve| solve.bound(solve.found.energy_lower)),
+        "energy_upper" => column(solves, |solve| solve.bound(solve.found.energy_upper)),
+        "error_bound" => column(solves, |solve| solve.bound(solve.found.error_bound)),
+        "error_relative" => column(solves, |solve| solve.bound(solve.found.error_relative)),
         "reserve" => column(solves, |solve| {
-            (solve.bounds.is_some() && !solve.reserve.is_empty()).then_some(&*solve.reserve)
+            solve.reserve.as_deref().filter(|_| solve.bound(solve.found.error_bound).is_some())
         }),
-        "v_least" => column(solves, |solve| Some(solve.outcome?.range[0])),
-        "v_greatest" => column(solves, |solve| Some(solve.outcome?.range[1])),
-        "sum_load" => column(solves, |solve| Some(solve.outcome?.sum_load)),
-        "kkt_stationarity" => column(solves, |solve| Some(solve.outcome?.kkt.stationarity)),
-        "kkt_min_y" => column(solves, |solve| solve.outcome?.kkt.min_y),
-        "kkt_min_lambda" => column(solves, |solve| solve.outcome?.kkt.min_lambda),
-        "kkt_complementarity" => column(solves, |solve| Some(solve.outcome?.kkt.complementarity)),
-        "kkt_natural" => column(solves, |solve| Some(solve.outcome?.kkt.natural)),
-        "kkt_relative" => column(solves, |solve| Some(solve.outcome?.kkt.relative)),
+        "v_least" => column(solves, |solve| solve.found.v_least),
+        "v_greatest" => column(solves, |solve| solve.found.v_greatest),
+        "sum_load" => column(solves, |solve| solve.found.sum_load),
+        "kkt_stationarity" => column(solves, |solve| solve.found.kkt.stationarity),
+        "kkt_min_y" => column(solves, |solve| solve.found.kkt.min_y),
+        "kkt_min_lambda" => column(solves, |solve| solve.found.kkt.min_lambda),
+        "kkt_complementarity" => column(solves, |solve| solve.found.kkt.max_min),
+        "kkt_natural" => column(solves, |solve| solve.found.kkt.natural),
+        "kkt_relative" => column(solves, |solve| solve.found.kkt.relative),
         "published" => column(solves, |solve| solve.published_count(paper)),
         "published_delta_a" => column(solves, |solve| solve.published_delta_a(paper)),
         "warnings" => column(solves, |solve| {

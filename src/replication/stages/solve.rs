@@ -3,24 +3,24 @@
 //!
 //! Central is [`Cell::run`], which solves as the command `solve` does.
 
-use super::{artifact, from_json, to_json};
+use super::{artifact, from_json, study, to_json};
 use crate::pipeline::error::{Error, Failure, Result as Read};
 use crate::pipeline::names::in_shell;
-use crate::pipeline::{Artifacts, InputFiles, Inputs, Task};
+use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task};
+use crate::replication::fields::member::Member;
 use crate::replication::fields::table::Voice;
 use crate::replication::mesh_files;
-pub(super) use crate::replication::numbers::CONVERGED;
+use crate::replication::numbers::Numbers;
 use crate::replication::record::{Grouped, Judge, Record};
-use crate::replication::scene::{Output, RuleAndR, Scene};
+use crate::replication::scene::{Output, Scene};
 use crate::timing::machine;
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::{Accuracy, Bounds};
-use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::levels::{Problem, Reserve};
-use signorini_mathematics::problem::text::{interval, known, plain};
+use signorini_mathematics::levels::Problem;
+use signorini_mathematics::problem::text::percent;
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, StopRule};
-use signorini_mathematics::solvers::{Memory, ReachEnd, Solved, Tried, Watcher};
+use signorini_mathematics::solvers::{Memory, ReachEnd, SaddleSettings, Solved, Tried, Watcher};
 use signorini_mathematics::statement::{Fineness, Statement};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -38,41 +38,13 @@ pub(super) struct Cell {
     /// True for a scene of a published table.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     is_papers: bool,
-}
-
-/// Contents of the artifact [`OUTCOMES`].
-#[derive(Debug, Default, Serialize, Deserialize)]
-pub(super) struct Outcomes {
-    schema: u8,
-    /// Duality parameter of a saddle-point method.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(super) r: Option<f64>,
-    /// Per grid on which the solver ended, coarsest first; empty for the spectral solver.
-    pub(super) levels: Vec<Outcome>,
-    /// Guaranteed bounds per grid, or none where there are none; empty for the saddle-point methods, which end where
-    /// their rule says so, and one for the spectral solver.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(super) bounds: Vec<Option<Bounds>>,
-    /// True if the accuracy of the energy was asked for.
+    /// True for a member of a study, whose row says why there is no solution.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    asks_energy: bool,
-    /// Parts of the problem that the bounds leave out.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(super) reserve: Vec<Reserve>,
-    /// Iterations on the finest grid; of the spectral solver, Newton steps.
-    pub(super) iterations: usize,
-    /// Energy that answers: on the finest grid, as [`Outcomes::energy_on`] has it, or of the true solution.
-    pub(super) energy: f64,
-    /// Warnings that `solve` gives.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(super) warnings: Vec<String>,
-    /// Remedy for them, and for a failure.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(super) remedy: Option<String>,
+    is_row: bool,
 }
 
-/// Artifact with an [`Outcomes`].
-pub(crate) const OUTCOMES: &str = "outcomes.json";
+/// Artifact with the [`Numbers`] of a solve.
+pub(crate) const NUMBERS: &str = "numbers.json";
 /// Artifact with the pair on the finest grid: y, then a, as little-endian doubles.
 pub(super) const PAIR: &str = "pair.f64";
 /// Artifact with the cells that were marked for each bisection of adapted meshes: their number, then theirs, as
@@ -81,10 +53,11 @@ const MARKS: &str = "marks.u32";
 /// Artifact with every [`Iteration`], per grid.
 pub(super) const HISTORY: &str = "history.json";
 
-/// Id of the task of a run of a scene.
-pub(super) fn id_of(scene: &Scene, run: Option<RuleAndR>) -> String {
-    match run {
-        Some(RuleAndR { rule, r }) => id(scene, rule, r),
+/// Id of the task of a member of a scene.
+pub(super) fn id_of(scene: &Scene, member: &Member) -> String {
+    match member.statement.saddle {
+        _ if scene.is_study => study::id(&scene.name, &scene.study, member),
+        Some(SaddleSettings { stop, r, .. }) => id(scene, stop, r),
         None => format!("solve/{}", scene.name),
     }
 }
@@ -94,18 +67,23 @@ pub(super) fn id(scene: &Scene, rule: StopRule, r: f64) -> String {
     format!("solve/{}/{rule}/r={r}", scene.name)
 }
 
-/// Ids of the tasks that solve a scene under a rule, one per r.
-pub(super) fn ids(scene: &Scene, rule: Option<StopRule>) -> impl Iterator<Item = String> {
-    scene.runs(rule).into_iter().map(|run| id_of(scene, run))
+/// Ids of the tasks of all members of a scene.
+pub(super) fn ids(scene: &Scene) -> impl Iterator<Item = String> {
+    scene.study.members.iter().map(|member| id_of(scene, member))
 }
 
-/// The tasks that solve those cells of a scene under a rule for which a table or a figure asks.
-pub(super) fn tasks(scene: &Scene, rule: Option<StopRule>) -> Vec<Task> {
+/// The tasks that solve those members of a scene for which a table or a figure asks.
+pub(super) fn tasks(scene: &Scene) -> Vec<Task> {
     let mut tasks = Vec::new();
-    for run in scene.runs(rule) {
-        let cell = cell(scene, run);
-        if scene.wants(Output::Table) || cell.keep_pair || cell.keep_history {
-            tasks.push(task(id_of(scene, run), cell, scene.files.clone()));
+    for member in &scene.study.members {
+        let cell = cell(scene, member);
+        if scene.wants(Output::Table) || cell.is_row || cell.keep_pair || cell.keep_history {
+            let path = mesh_files::path_of(&member.statement.domain);
+            let file = path.and_then(|path| scene.files.get_key_value(&path));
+            let files = file.map(|(path, file)| (path.clone(), file.clone())).into_iter().collect();
+            tasks.push(
+                Task::new(id_of(scene, member), &cell, Vec::new(), Cell::made).with_files(files),
+            );
         }
     }
     tasks
@@ -126,24 +104,19 @@ pub(super) fn stops(scene: &Scene) -> Result<Vec<(Grid, Pair)>, Failure> {
     Ok(scene.grids().into_iter().zip(pairs).collect())
 }
 
-fn cell(scene: &Scene, run: Option<RuleAndR>) -> Cell {
-    let rule = run.map(|run| run.rule);
+fn cell(scene: &Scene, member: &Member) -> Cell {
+    let rule = member.rule();
     let is_first_rule = rule == scene.first_rule();
     Cell {
-        statement: scene.of_run(run),
-        keep_pair: run == scene.drawn(rule)
+        statement: member.statement.clone(),
+        keep_pair: !scene.is_study
+            && member == scene.drawn(rule)
             && ((is_first_rule && (scene.wants(Output::Surface) || scene.wants(Output::Map)))
                 || scene.wants(Output::Contact)),
         keep_history: scene.wants(Output::History) && is_first_rule,
         is_papers: scene.paper_table.is_some(),
+        is_row: scene.is_study,
     }
-}
-
-fn task(id: String, cell: Cell, files: InputFiles) -> Task {
-    Task::new(id, &cell, Vec::new(), |cell, inputs| {
-        cell.artifacts(inputs.files, inputs.interrupted)
-    })
-    .with_files(files)
 }
 
 /// Solves a statement; a mesh is read from these files, and refined for values at nodes if `has_nodes`. Between two
@@ -164,7 +137,36 @@ pub(super) fn solved(
     }
 }
 
+/// Returns the numbers of a statement, or the reason for which there is no solution, in this voice; a mesh is read from
+/// these files.
+///
+/// # Errors
+/// [`Error::Interrupted`].
+pub(crate) fn numbers(
+    (statement, voice): (&Statement, Voice),
+    files: &InputFiles,
+    interrupted: &AtomicBool,
+) -> Read<Numbers> {
+    match solved((statement, voice), files, false, &mut Recorder::new(interrupted)) {
+        Ok(solved) => {
+            let record = Judge { statement, voice, is_papers: false }.record(&solved);
+            Ok(Numbers::of(statement, &solved, &record))
+        }
+        Err(Error::Interrupted) => Err(Error::Interrupted),
+        Err(reason) => Ok(Numbers::without(statement, reason.to_string())),
+    }
+}
+
 impl Cell {
+    fn made(&self, inputs: &Inputs) -> Made {
+        if self.is_row {
+            let asked = (&self.statement, Voice::Keys);
+            let numbers = numbers(asked, inputs.files, inputs.interrupted)?;
+            return Ok(Artifacts::from([(NUMBERS.to_owned(), to_json(&numbers))]));
+        }
+        self.artifacts(inputs.files, inputs.interrupted)
+    }
+
     /// Solves; a mesh is read from these files.
     fn run<'a>(
         &self,
@@ -196,12 +198,11 @@ impl Cell {
         if self.keep_pair && pairs.is_empty() {
             pairs.push(solved.pair());
         }
-        let outcomes = Outcomes {
-            warnings: record.facts(),
-            remedy: record.remedy(),
-            ..self.outcomes(&solved)
-        };
-        let mut artifacts = outcomes.artifacts(pairs.last().filter(|_| self.keep_pair));
+        let numbers = Numbers::of(&self.statement, &solved, &record);
+        let mut artifacts = Artifacts::from([(NUMBERS.to_owned(), to_json(&numbers))]);
+        if let Some(pair) = pairs.last().filter(|_| self.keep_pair) {
+            artifacts.insert(PAIR.into(), pair_bytes(pair));
+        }
         if let Some(marks) = solved.reached.and_then(|reached| reached.marks) {
             artifacts.insert(MARKS.into(), marks_bytes(&marks));
         }
@@ -209,78 +210,6 @@ impl Cell {
             artifacts.insert(HISTORY.into(), to_json(&history));
         }
         Ok(artifacts)
-    }
-
-    /// Returns what is kept of a solution.
-    fn outcomes(&self, solved: &Solved) -> Outcomes {
-        let mut outcomes = Outcomes {
-            schema: 1,
-            r: self.statement.saddle.map(|settings| settings.r),
-            levels: solved.ends().to_vec(),
-            asks_energy: matches!(self.statement.accuracy(), Some(Accuracy::Energy(_))),
-            energy: solved.energy(),
-            ..Outcomes::default()
-        };
-        if let Some(found) = solved.truth() {
-            outcomes.iterations = found.steps;
-        }
-        if outcomes.r.is_none() {
-            outcomes.bounds = solved.bounds().iter().map(|bounds| bounds.clone().ok()).collect();
-            outcomes.reserve = solved.reserves();
-        }
-        if let Some((last, coarser)) = outcomes.levels.split_last() {
-            outcomes.iterations = last.end.iterations;
-            outcomes.energy = outcomes.energy_on(coarser.len());
-        }
-        outcomes
-    }
-}
-
-impl Outcomes {
-    /// Artifacts with these outcomes, and the last pair if it is drawn.
-    fn artifacts(&self, drawn: Option<&Pair>) -> Artifacts {
-        let mut artifacts = Artifacts::from([(OUTCOMES.to_owned(), to_json(self))]);
-        if let Some(pair) = drawn {
-            artifacts.insert(PAIR.into(), pair_bytes(pair));
-        }
-        artifacts
-    }
-
-    /// Name of the end on the finest level, or of that of the spectral solver.
-    pub(super) fn end(&self) -> &'static str {
-        self.levels.last().map_or(CONVERGED, Outcome::name)
-    }
-
-    /// Energy on the level with this number: that of v or, where the accuracy of the energy was asked for, the number
-    /// of the guaranteed bracket that is nearest to it.
-    pub(super) fn energy_on(&self, level: usize) -> f64 {
-        let of_v = self.levels[level].energy;
-        match self.bounds.get(level) {
-            Some(Some(bounds)) if self.asks_energy => bounds.nearest_energy(of_v),
-            _ => of_v,
-        }
-    }
-
-    /// True if the energy is that of the true solution, or the number of its bracket that is nearest to that of v.
-    pub(super) fn has_true_energy(&self) -> bool {
-        self.levels.is_empty() || self.asks_energy
-    }
-
-    /// The energy that answers, with so many digits, that of a true solution with those of them that are known.
-    pub(super) fn shown_energy(&self, digits: usize) -> String {
-        let bounds = self.last_bounds().filter(|_| self.has_true_energy());
-        known(self.energy, bounds.map(|bounds| bounds.energy), digits)
-    }
-
-    /// Guaranteed bounds on the finest level, if there are any.
-    pub(super) fn last_bounds(&self) -> Option<&Bounds> {
-        self.bounds.last()?.as_ref()
-    }
-
-    /// Returns, in words, how the solver of a scene ended on the finest level, unless with a solution.
-    fn no_solution(&self, scene: &Scene) -> Option<String> {
-        let judged = self.levels.last()?.judged(scene.statement.accuracy().is_some());
-        judged.is_failure().then(|| self.end().replace('-', " "))
     }
 }
 
@@ -323,22 +252,18 @@ impl Monitor for Recorder<'_> {
     }
 }
 
-/// Returns, in words, how the solver ended on the finest grid, with the r that is drawn, unless with a solution.
-pub(super) fn no_solution(
-    inputs: &Inputs,
-    scene: &Scene,
-    rule: Option<StopRule>,
-) -> Result<Option<String>, String> {
-    Ok(drawn_outcomes(inputs, scene, rule)?.no_solution(scene))
+/// Returns, in words, how a solver ended, unless with a solution.
+pub(super) fn no_solution(numbers: &Numbers) -> Option<String> {
+    numbers.reason.as_ref().and(numbers.stop.as_ref()).map(|end| end.replace('-', " "))
 }
 
-/// Returns the outcomes of a scene under a rule, with the r that is drawn.
-pub(super) fn drawn_outcomes(
+/// Returns the numbers of a scene under a rule, with the r that is drawn.
+pub(super) fn drawn(
     inputs: &Inputs,
     scene: &Scene,
     rule: Option<StopRule>,
-) -> Result<Outcomes, String> {
-    from_json(inputs, &id_of(scene, scene.drawn(rule)), OUTCOMES)
+) -> Result<Numbers, String> {
+    from_json(inputs, &id_of(scene, scene.drawn(rule)), NUMBERS)
 }
 
 /// Returns, in words, what the pair of a scene under a rule is that is drawn.
@@ -347,70 +272,47 @@ pub(super) fn state(
     scene: &Scene,
     rule: Option<StopRule>,
 ) -> Result<String, String> {
-    if let Some(RuleAndR { rule, r }) = scene.drawn(rule) {
+    if let Some(SaddleSettings { stop: rule, r, .. }) = scene.drawn(rule).statement.saddle {
         return Ok(format!("where the rule {rule} stops, r = {r}"));
     }
-    let outcomes = drawn_outcomes(inputs, scene, rule)?;
-    Ok(match (outcomes.no_solution(scene), scene.statement.accuracy()) {
+    Ok(match (no_solution(&drawn(inputs, scene, rule)?), scene.statement.accuracy()) {
         (Some(end), _) => end,
         // The solver stops where its error is that of the grid.
         (None, Some(Accuracy::Error(wanted))) => {
-            format!("with an error of at most {}", percent(wanted))
+            format!("with an error of at most {}", percent(wanted, 3))
         }
         (None, _) => "the solution".into(),
     })
 }
 
-/// Returns the warnings of a scene under its first rule, with the r that is drawn; those of a published table are in
-/// the book.
-pub(super) fn warnings(inputs: &Inputs, scene: &Scene) -> Result<Vec<String>, String> {
-    let outcomes = drawn_outcomes(inputs, scene, scene.first_rule())?;
-    Ok(if scene.paper_table.is_some() { Vec::new() } else { outcomes.warnings })
+/// Returns the warnings of a scene with these numbers; those of a published table are in the book.
+pub(super) fn warnings<'a>(scene: &Scene, numbers: &'a Numbers) -> &'a [String] {
+    if scene.paper_table.is_some() { &[] } else { &numbers.warnings }
 }
 
 /// Returns these warnings in sentences with a space behind them.
-pub(super) fn warnings_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
-    let warnings = warnings(inputs, scene)?;
-    let each: Vec<String> = warnings.iter().map(|text| format!("Warning: {text}. ")).collect();
-    Ok(each.concat())
+pub(super) fn warnings_in_words(scene: &Scene, numbers: &Numbers) -> String {
+    let warnings = warnings(scene, numbers);
+    warnings.iter().flat_map(|text| ["Warning: ", text, ". "]).collect()
 }
 
 /// Returns the warnings and the guaranteed bounds of a scene in sentences with a space behind them; nothing if it has
 /// none.
-pub(super) fn bounds_in_words(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
-    let outcomes = drawn_outcomes(inputs, scene, scene.first_rule())?;
-    let warnings = warnings_in_words(inputs, scene)?;
-    let Some(bounds) = outcomes.last_bounds() else { return Ok(warnings) };
-    let [_, most] = bounds.error;
-    let mut reserves = String::from("Guaranteed");
-    for reserve in &outcomes.reserve {
-        reserves += match reserve {
-            Reserve::Polygon => ", on the polygon or polyhedron of the mesh",
-            Reserve::Quadrature => ", but for the quadrature of f",
-        };
-    }
-    let relative = match bounds.relative() {
-        part if part < 1.0 => format!(", {} of the solution", percent(part)),
-        _ => String::new(),
-    };
-    Ok(format!(
-        "{warnings}{reserves}: true energy in {}, error in the energy norm at most {}{relative}. ",
-        interval(bounds.energy),
-        plain(most, 4)
-    ))
+pub(super) fn bounds_in_words(scene: &Scene, numbers: &Numbers) -> String {
+    let guarantee = numbers.guarantee().filter(|_| scene.statement.saddle.is_none());
+    let sentence = guarantee.map(|of| format!("Guaranteed{}: {}. ", of.but, of.parts.join(", ")));
+    warnings_in_words(scene, numbers) + &sentence.unwrap_or_default()
 }
 
-/// Returns a part of one as a percentage, as `solve` writes it.
-pub(super) fn percent(part: f64) -> String {
-    let text = plain(100.0 * part, 3);
-    let text = text.strip_suffix(".00").unwrap_or(&text);
-    format!("{text} %")
+/// Guaranteed bounds that a picture of a scene has; none under a rule, which stops where it says.
+pub(super) fn bounds(scene: &Scene, numbers: &Numbers) -> Option<Bounds> {
+    numbers.bounds().filter(|_| scene.statement.saddle.is_none())
 }
 
 /// Returns the name, in a picture, of the solve of a scene under a rule with the r that is drawn.
 pub(super) fn label(scene: &Scene, rule: Option<StopRule>) -> String {
-    match scene.drawn(rule) {
-        Some(RuleAndR { rule, r }) => format!("stop: {rule}, r = {r}"),
+    match scene.drawn(rule).statement.saddle {
+        Some(SaddleSettings { stop, r, .. }) => format!("stop: {stop}, r = {r}"),
         None => scene.statement.solver.entry().in_words.to_owned(),
     }
 }
@@ -419,25 +321,25 @@ pub(super) fn label(scene: &Scene, rule: Option<StopRule>) -> String {
 const MOST_NAMED: usize = 3;
 
 /// Returns lines on the solves of a scene that ended without a solution on the finest level, with a command that shows
-/// one of them, and on the warnings of the others; `outcomes` reads the [`OUTCOMES`] of a task, or returns `None` for a
+/// one of them, and on the warnings of the others; `artifact` reads the [`NUMBERS`] of a task, or returns `None` for a
 /// task that is not concerned.
-pub(crate) fn remarks(scene: &Scene, outcomes: impl Fn(&str) -> Option<Vec<u8>>) -> Vec<String> {
+pub(crate) fn remarks(scene: &Scene, artifact: impl Fn(&str) -> Option<Vec<u8>>) -> Vec<String> {
     let (mut ends, mut warned) = (BTreeMap::new(), Grouped::default());
     let mut command = None;
-    for run in scene.rules().into_iter().flat_map(|rule| scene.runs(rule)) {
-        let Some(bytes) = outcomes(&id_of(scene, run)) else { continue };
-        let Ok(outcomes) = serde_json::from_slice::<Outcomes>(&bytes) else { continue };
-        let (place, of_run) = named(scene, run);
-        if outcomes.no_solution(scene).is_some() {
-            let places: &mut Vec<String> = ends.entry(outcomes.end()).or_default();
+    for member in &scene.study.members {
+        let Some(bytes) = artifact(&id_of(scene, member)) else { continue };
+        let Ok(numbers) = serde_json::from_slice::<Numbers>(&bytes) else { continue };
+        let (place, of_member) = named(scene, member);
+        if numbers.reason.is_some() {
+            let end = numbers.stop.unwrap_or_default();
+            let places: &mut Vec<String> = ends.entry(end).or_default();
             places.extend(place);
-            command.get_or_insert(of_run);
+            command.get_or_insert(of_member);
             continue;
         }
-        let remedy = outcomes.remedy.iter().map(|remedy| format!("; {remedy}"));
-        let remedy = remedy.collect::<String>();
-        for (k, fact) in outcomes.warnings.iter().enumerate() {
-            let is_last = k + 1 == outcomes.warnings.len();
+        let remedy = numbers.remedy.map_or(String::new(), |remedy| format!("; {remedy}"));
+        for (k, fact) in numbers.warnings.iter().enumerate() {
+            let is_last = k + 1 == numbers.warnings.len();
             let text = format!("{fact}{}", if is_last { &remedy } else { "" });
             warned.add(text, place.clone().unwrap_or_default());
         }
@@ -459,10 +361,10 @@ pub(crate) fn remarks(scene: &Scene, outcomes: impl Fn(&str) -> Option<Vec<u8>>)
     lines
 }
 
-/// Returns the name of a run of a scene, if it has several, and the command that solves it.
-fn named(scene: &Scene, run: Option<RuleAndR>) -> (Option<String>, String) {
+/// Returns the name of a member of a scene, if it has several, and the command that solves it.
+fn named(scene: &Scene, member: &Member) -> (Option<String>, String) {
     let mut command = format!("signorini solve {}", in_shell(&scene.name));
-    let place = run.map(|RuleAndR { rule, r }| {
+    let place = member.statement.saddle.map(|SaddleSettings { stop: rule, r, .. }| {
         let mut place = format!("r = {r}");
         command += &format!(" --r {r}");
         if Some(rule) != scene.first_rule() {
@@ -490,13 +392,12 @@ pub(super) fn problem(inputs: &Inputs, scene: &Scene) -> Result<Problem, Failure
     let mut statement = scene.statement.clone();
     if statement.accuracy().is_some() {
         let mesh = mesh_files::mesh(&statement, inputs.files)?;
-        let task = id_of(scene, None);
+        let task = id_of(scene, scene.drawn(None));
         if let (Some(mesh), Ok(marks)) = (&mesh, artifact(inputs, &task, MARKS)) {
             let problem = statement.problem_on_bisected(mesh, &marks_of(marks)?);
             return Ok(problem.map_err(|e| e.to_string())?);
         }
-        let outcomes = drawn_outcomes(inputs, scene, None)?;
-        let cells = outcomes.levels.last().and_then(|level| level.cells);
+        let cells = drawn(inputs, scene, None)?.levels().last().and_then(|level| level.cells);
         statement.fineness = Fineness::Grids(cells.into_iter().collect());
     }
     Ok(mesh_files::problem(&statement, inputs.files)?)

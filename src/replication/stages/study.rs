@@ -1,59 +1,22 @@
-//! Tasks of a study: one for each member, the table of all, and its chart.
+//! The table of a study, and its chart.
 
-use super::solve::{self, Recorder};
-use super::{from_json, tabulate, to_json};
+use super::solve::{self, NUMBERS};
+use super::{from_json, tabulate};
 use crate::figures::{Chart, Curve, Picture, Scale, Stroke, axes_alone, charts};
-use crate::pipeline::error::Error;
 use crate::pipeline::names::in_shell;
-use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task, hash};
+use crate::pipeline::{Inputs, Made, Task, hash};
 use crate::replication::fields::member::Member;
-use crate::replication::fields::table::Voice;
-use crate::replication::mesh_files::path_of;
 use crate::replication::numbers::Numbers;
-use crate::replication::record::Judge;
 use crate::replication::scene::{Output, Scene};
 use crate::replication::study::{Axes, Study, of_axis};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use signorini_mathematics::statement::Statement;
-use std::sync::atomic::AtomicBool;
-
-/// Artifact with the [`Numbers`] of a member.
-const NUMBERS: &str = "numbers.json";
-
-/// Returns the tasks of a study.
-pub(super) fn tasks(scene: &Scene) -> Vec<Task> {
-    let mut tasks = Vec::new();
-    for (member, task) in members(scene) {
-        let Member { statement, .. } = member;
-        let path = path_of(&statement.domain);
-        let file = path.and_then(|path| scene.files.get_key_value(&path));
-        let files = file.map(|(path, file)| (path.clone(), file.clone())).into_iter().collect();
-        let asked = AskedNumbers { statement: statement.clone() };
-        tasks.push(Task::new(task, &asked, Vec::new(), AskedNumbers::made).with_files(files));
-    }
-    if scene.wants(Output::Table) {
-        tasks.extend(Tabulated::task(scene));
-    }
-    tasks
-}
-
-/// Returns the members of a scene, each with the id of its task.
-pub(super) fn members(scene: &Scene) -> impl Iterator<Item = (&Member, String)> {
-    let mut members = Vec::new();
-    if let Some(study) = &scene.study {
-        for member in &study.members {
-            members.push((member, id(&scene.name, study, member)));
-        }
-    }
-    members.into_iter()
-}
 
 /// Most bytes of the names and values in the id of a task, which names files.
 const MOST_BYTES: usize = 120;
 
 /// Id of the task of a member: with its values, so that it stays when others are added, and no other member has it.
-fn id(scene: &str, study: &Study, member: &Member) -> String {
+pub(super) fn id(scene: &str, study: &Study, member: &Member) -> String {
     let mut pairs = Vec::new();
     for (name, value) in study.names.iter().zip(study.values(member)) {
         // A digest begins with what no other name has.
@@ -71,45 +34,9 @@ fn digest(text: &str) -> String {
     hash(text.as_bytes())[..16].to_owned()
 }
 
-/// Statement of a member of which numbers are asked for.
-#[derive(Serialize, Deserialize)]
-pub(crate) struct AskedNumbers {
-    pub(crate) statement: Statement,
-}
-
-impl AskedNumbers {
-    fn made(&self, inputs: &Inputs) -> Made {
-        let numbers = self.numbers(Voice::Keys, inputs.files, inputs.interrupted)?;
-        Ok(Artifacts::from([(NUMBERS.to_owned(), to_json(&numbers))]))
-    }
-
-    /// Returns the numbers, or the reason for which there is no solution, in this voice; a mesh is read from these
-    /// files.
-    ///
-    /// # Errors
-    /// [`Error::Interrupted`].
-    pub(crate) fn numbers(
-        &self,
-        voice: Voice,
-        files: &InputFiles,
-        interrupted: &AtomicBool,
-    ) -> Result<Numbers, Error> {
-        let statement = &self.statement;
-        let mut recorder = Recorder::new(interrupted);
-        match solve::solved((statement, voice), files, false, &mut recorder) {
-            Ok(solved) => {
-                let record = Judge { statement, voice, is_papers: false }.record(&solved);
-                Ok(Numbers::of(statement, &solved, &record))
-            }
-            Err(Error::Interrupted) => Err(Error::Interrupted),
-            Err(reason) => Ok(Numbers::without(statement, reason.to_string())),
-        }
-    }
-}
-
 /// Study of a scene with this name.
 #[derive(Serialize, Deserialize)]
-struct Tabulated {
+pub(super) struct StudyTable {
     name: String,
     study: Study,
 }
@@ -117,14 +44,13 @@ struct Tabulated {
 /// Most reasons, and most warnings, that stand below a table.
 const MOST_REMARKS: usize = 3;
 
-impl Tabulated {
+impl StudyTable {
     /// The task that makes the table of a study.
-    fn task(scene: &Scene) -> Option<Task> {
-        let study = Study { chart: None, ..scene.study.clone()? };
-        let needs = members(scene).map(|(_, task)| task).collect();
+    pub(super) fn task(scene: &Scene) -> Task {
+        let study = Study { chart: None, ..scene.study.clone() };
         let tabulated = Self { name: scene.name.clone(), study };
-        let task = Task::new(tabulate::id(scene), &tabulated, needs, Self::made);
-        Some(task.exported_to(tabulate::FOLDER))
+        let needs = solve::ids(scene).collect();
+        Task::new(tabulate::id(scene), &tabulated, needs, Self::made).exported_to(tabulate::FOLDER)
     }
 
     fn made(&self, inputs: &Inputs) -> Made {
@@ -167,12 +93,12 @@ pub(crate) fn remarks(
     outcome: impl Fn(&str, &str) -> Option<Vec<u8>>,
 ) -> Vec<String> {
     let (mut without, mut warned, mut count) = (0, 0, 0);
-    for (_, task) in members(scene) {
+    for task in solve::ids(scene) {
         count += 1;
         let numbers = outcome(&task, NUMBERS);
         let numbers = numbers.and_then(|bytes| serde_json::from_slice::<Numbers>(&bytes).ok());
-        without += usize::from(numbers.as_ref().is_some_and(|of| of.reason().is_some()));
-        warned += usize::from(numbers.is_some_and(|of| !of.warnings().is_empty()));
+        without += usize::from(numbers.as_ref().is_some_and(|of| of.reason.is_some()));
+        warned += usize::from(numbers.is_some_and(|of| !of.warnings.is_empty()));
     }
     let says = match scene.wants(Output::Table) {
         true => format!("{}/{}", tabulate::FOLDER, tabulate::file(scene)),
@@ -192,12 +118,12 @@ pub(crate) fn remarks(
 
 /// Draws the chart of a study: a curve for each of the other values that are varied.
 pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
-    let study = scene.study.as_ref().ok_or("a chart is of a study")?;
+    let study = &scene.study;
     let axes = study.chart.as_ref().ok_or("the study has no chart")?;
     let mut curves: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
     // Reason of the first member without a solution, and number of those with one that are not on the axes.
     let (mut reason, mut left_out) = (None, 0);
-    for (member, task) in members(scene) {
+    for (member, task) in study.members.iter().zip(solve::ids(scene)) {
         let numbers: Numbers = from_json(inputs, &task, NUMBERS)?;
         let label = axes.label(study, member);
         let place = curves.iter().position(|(known, _)| *known == label);
@@ -205,11 +131,11 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
             curves.push((label, Vec::new()));
             curves.len() - 1
         });
-        let [x, y] = [0, 1].map(|axis| axes.value(axis, study, (member, &numbers)));
+        let [x, y] = axes.values(study, member, &numbers);
         // Numbers where a solver ended without a solution are none of a solution.
-        curves[place].1.extend(x.zip(y).filter(|_| numbers.reason().is_none()));
-        left_out += usize::from(x.zip(y).is_none() && numbers.reason().is_none());
-        reason = reason.or_else(|| numbers.reason().map(str::to_owned));
+        curves[place].1.extend(x.zip(y).filter(|_| numbers.reason.is_none()));
+        left_out += usize::from(x.zip(y).is_none() && numbers.reason.is_none());
+        reason = reason.or(numbers.reason);
     }
     for (_, points) in &mut curves {
         points.sort_by(|(one, _), (other, _)| one.total_cmp(other));
@@ -254,20 +180,19 @@ impl Axes {
         }
     }
 
-    /// Value of a member with its numbers on an axis; none if it has none there.
-    fn value(
-        &self,
-        axis: usize,
-        study: &Study,
-        (member, numbers): (&Member, &Numbers),
-    ) -> Option<f64> {
-        let (column, is_reciprocal) = of_axis(&self.columns[axis]);
-        let value =
-            match member.value(column).filter(|_| study.names.iter().any(|name| name == column)) {
+    /// Values of a member with its numbers across and up; none where it has none on the axis.
+    fn values(&self, study: &Study, member: &Member, numbers: &Numbers) -> [Option<f64>; 2] {
+        let columns = self.columns.each_ref().map(|column| of_axis(column));
+        let found = numbers.numbers(columns.map(|(column, _)| column));
+        [0, 1].map(|axis| {
+            let (column, is_reciprocal) = columns[axis];
+            let is_varied = study.names.iter().any(|name| name == column);
+            let value = match member.value(column).filter(|_| is_varied) {
                 Some(value) => value.number(),
-                None => numbers.number(column),
+                None => found[axis],
             };
-        let value = value.map(|value| if is_reciprocal { 1.0 / value } else { value });
-        value.filter(|value| value.is_finite() && (*value > 0.0 || !self.log[axis]))
+            let value = value.map(|value| if is_reciprocal { 1.0 / value } else { value });
+            value.filter(|value| value.is_finite() && (*value > 0.0 || !self.log[axis]))
+        })
     }
 }

@@ -1,19 +1,21 @@
 //! The `tabulate` stage: the cells of one scene as a table, for each stopping rule in the layout of the paper.
 
 use super::from_json;
-use super::solve::{self, Outcomes};
+use super::solve::{self, NUMBERS};
 use crate::pipeline::{Artifacts, Inputs, Made, Task};
 use crate::replication::columns::shown;
 use crate::replication::comparison::Row;
+use crate::replication::fields::member::Member;
+use crate::replication::numbers::Numbers;
 use crate::replication::record::Grouped;
+use crate::replication::record::levels::LevelNumbers;
 use crate::replication::scene::Scene;
 use crate::table::{Table, in_markdown};
 use serde::{Deserialize, Serialize};
-use signorini_mathematics::bounds::Bounds;
-use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::problem::text::interval;
 use signorini_mathematics::saddle::StopRule;
+use signorini_mathematics::solvers::SaddleSettings;
 
 /// Folder of the tables in the project.
 pub(crate) const FOLDER: &str = "report/tables";
@@ -115,24 +117,37 @@ struct Tabulated {
     /// Name of the scene.
     name: String,
     /// In the order of the rows.
-    solves: Vec<TabulatedSolve>,
+    solves: Vec<SolveOfRun>,
     /// True for a published table, whose warnings the book explains.
     is_papers: bool,
 }
 
 /// Solve of which a table has a row, or each level one.
 #[derive(Serialize, Deserialize)]
-struct TabulatedSolve {
-    task: String,
-    rule: Option<StopRule>,
+pub(super) struct SolveOfRun {
+    pub(super) task: String,
+    /// Settings of a saddle-point method; none of other solvers.
+    pub(super) saddle: Option<SaddleSettings>,
+}
+
+impl SolveOfRun {
+    /// Solve of a member of a scene.
+    pub(super) fn of(scene: &Scene, member: &Member) -> Self {
+        Self { task: solve::id_of(scene, member), saddle: member.statement.saddle }
+    }
+
+    /// Solves of a scene, in the order of the rows.
+    pub(super) fn all(scene: &Scene) -> Vec<Self> {
+        scene.study.members.iter().map(|member| Self::of(scene, member)).collect()
+    }
+
+    pub(super) fn numbers(&self, inputs: &Inputs) -> Result<Numbers, String> {
+        from_json(inputs, &self.task, NUMBERS)
+    }
 }
 
 pub(crate) fn task(scene: &Scene) -> Task {
-    let mut solves = Vec::new();
-    for run in scene.rules().into_iter().flat_map(|rule| scene.runs(rule)) {
-        let task = solve::id_of(scene, run);
-        solves.push(TabulatedSolve { task, rule: run.map(|run| run.rule) });
-    }
+    let solves = SolveOfRun::all(scene);
     let needs = solves.iter().map(|solve| solve.task.clone()).collect();
     let is_papers = scene.paper_table.is_some();
     let tabulated = Tabulated { name: scene.name.clone(), solves, is_papers };
@@ -141,67 +156,47 @@ pub(crate) fn task(scene: &Scene) -> Task {
 
 impl Tabulated {
     fn made(&self, inputs: &Inputs) -> Made {
-        let tasks: Vec<String> = self.solves.iter().map(|solve| solve.task.clone()).collect();
-        let first: Outcomes = from_json(inputs, &tasks[0], solve::OUTCOMES)?;
-        let rules: Option<Vec<StopRule>> = self.solves.iter().map(|solve| solve.rule).collect();
-        let table = match rules {
-            Some(rules) => {
-                let names: Vec<_> = first.levels.iter().map(Outcome::label).collect();
-                table(&rules, &rows(inputs, &tasks)?, &ends(inputs, &tasks)?, &names)
-            }
-            None => table_of_levels(&first),
-        };
-        let few = with_few_digits(&table, 0, |_| first.has_true_energy());
-        let (shown, note) = match first.r {
-            None => (few.with_columns(|column| USUAL.contains(&column)), String::new()),
-            Some(_) => without_ends(&few),
-        };
-        let note = note + &self.warnings(inputs)?;
-        Ok(files(&self.name, &table, &shown, &note))
-    }
-}
-
-impl Tabulated {
-    /// Returns the warnings of the solves, each once in a line.
-    fn warnings(&self, inputs: &Inputs) -> Result<String, String> {
-        let mut warned = Grouped::default();
-        for TabulatedSolve { task, rule } in self.solves.iter().filter(|_| !self.is_papers) {
-            let outcomes: Outcomes = from_json(inputs, task, solve::OUTCOMES)?;
-            let rule = rule.map_or(String::new(), |rule| rule.to_string());
-            let r = outcomes.r.map_or(String::new(), |r| format!(", r = {r}"));
-            for warning in outcomes.warnings {
-                warned.add(warning, format!("{rule}{r}"));
+        let (mut levels, mut warned, mut is_true) = (Vec::new(), Grouped::default(), false);
+        for solve in &self.solves {
+            let numbers = solve.numbers(inputs)?;
+            levels.push(numbers.levels());
+            is_true = numbers.has_true_energy();
+            let run = solve.saddle.map(|SaddleSettings { stop, r, .. }| format!("{stop}, r = {r}"));
+            for warning in numbers.warnings.into_iter().filter(|_| !self.is_papers) {
+                warned.add(warning, run.clone().unwrap_or_default());
             }
         }
-        let mut text = String::new();
+        let runs: Option<Vec<_>> = self.solves.iter().map(|solve| solve.saddle).collect();
+        let table = match &runs {
+            Some(runs) => table(runs, &levels),
+            None => table_of_levels(&levels[0]),
+        };
+        let few = with_few_digits(&table, 0, |_| is_true);
+        let (shown, mut note) = match runs {
+            Some(_) => without_ends(&few),
+            None => (few.with_columns(|column| USUAL.contains(&column)), String::new()),
+        };
         for (warning, whom) in warned.first(usize::MAX) {
-            text += &match &whom[0][..] {
+            note += &match &whom[0][..] {
                 "" => format!("warning: {warning}\n"),
                 _ => format!("warning ({}): {warning}\n", whom.join("; ")),
             };
         }
-        Ok(text)
+        Ok(files(&self.name, &table, &shown, &note))
     }
 }
 
 /// Table of a solver without r: a row per level on which it ended, with the guaranteed bounds there; of the spectral
 /// solver one row, without a grid.
-fn table_of_levels(outcomes: &Outcomes) -> Table {
+fn table_of_levels(levels: &[LevelNumbers]) -> Table {
     let head = ["grid", "iterations", "stop", "energy"];
     let bounds = ["energy_lower", "energy_upper", "error_bound", "error_relative", "kkt_relative"];
     let mut table = Table::new(head.into_iter().chain(bounds).map(str::to_owned), &[]);
-    if outcomes.levels.is_empty() {
-        let Outcomes { iterations, energy, .. } = *outcomes;
-        let row = [String::new(), iterations.to_string(), outcomes.end().into(), decimal(energy)];
-        let of_bounds = in_columns(outcomes.last_bounds());
-        table.rows.push(row.into_iter().chain(of_bounds).chain([String::new()]).collect());
-    }
-    for (number, (level, bounds)) in outcomes.levels.iter().zip(&outcomes.bounds).enumerate() {
-        let iterations = level.end.iterations.to_string();
-        let energy = outcomes.energy_on(number);
-        let mut row = vec![level.label(), iterations, level.name().into(), decimal(energy)];
-        row.extend(in_columns(bounds.as_ref()));
-        row.push(decimal(level.kkt.relative));
+    for level in levels {
+        let mut row = vec![level.label(), level.iterations.to_string(), level.stop.clone()];
+        let bracket = [level.energy, level.energy_lower, level.energy_upper];
+        let errors = [level.error_bound, level.error_relative, level.kkt.relative];
+        row.extend(bracket.into_iter().chain(errors).map(|x| x.map_or(String::new(), decimal)));
         table.rows.push(row);
     }
     table
@@ -221,52 +216,31 @@ fn without_ends(table: &Table) -> (Table, String) {
     (table.with_columns(|column| !is_of_end(column)), note)
 }
 
-/// Bounds in the columns of a table, empty without.
-fn in_columns(bounds: Option<&Bounds>) -> [String; 4] {
-    let Some(bounds) = bounds else { return Default::default() };
-    let ([low, high], [_, most]) = (bounds.energy, bounds.error);
-    [low, high, most, bounds.relative()].map(decimal)
-}
-
-/// The rows of a table, one from each of the tasks `solves`.
-pub(super) fn rows(inputs: &Inputs, solves: &[String]) -> Result<Vec<Row>, String> {
-    solves.iter().map(|task| row(inputs, task)).collect()
-}
-
-fn row(inputs: &Inputs, task: &str) -> Result<Row, String> {
-    let Outcomes { r, levels, .. } = from_json(inputs, task, solve::OUTCOMES)?;
-    let r = r.ok_or_else(|| format!("{task} has no r"))?;
-    let finest = levels.last().ok_or_else(|| format!("{task} has solved on no grid"))?;
-    Ok(Row {
+/// Computed row of a table, from a solve with this r.
+pub(super) fn row(r: f64, levels: &[LevelNumbers]) -> Row {
+    let own_stops = levels.iter().map(|level| level.own_stop);
+    Row {
         r,
-        counts: levels.iter().map(|level| level.end.iterations).collect(),
-        capped: levels.iter().map(|level| level.end.stop == Stop::IterationLimit).collect(),
-        delta_a: finest.end.change(),
-    })
-}
-
-/// Ends of the iterations on each grid, as `solve` names them; a list from each of the tasks `solves`.
-fn ends(inputs: &Inputs, solves: &[String]) -> Result<Vec<Vec<&'static str>>, String> {
-    let mut ends = Vec::new();
-    for task in solves {
-        let Outcomes { levels, .. } = from_json(inputs, task, solve::OUTCOMES)?;
-        ends.push(levels.iter().map(Outcome::name).collect());
+        counts: levels.iter().map(|level| level.iterations).collect(),
+        capped: own_stops.map(|stop| stop == Some(Stop::IterationLimit)).collect(),
+        delta_a: levels.last().and_then(|finest| finest.delta_a).unwrap_or(f64::NAN),
     }
-    Ok(ends)
 }
 
 /// Table in the paper's layout: a row per rule and r, a column of counts per grid (`1/4`, `1/8`, ..., or `25 nodes`,
 /// ...), and `delta_a`.
 ///
 /// If `max_iterations` cut off a count on a grid, a column `capped 1/4` marks those counts; if an iteration on a grid
-/// ended without a solution of the discrete problem, a column `stop 1/4` holds the `ends`.
-fn table(rules: &[StopRule], rows: &[Row], ends: &[Vec<&str>], grids: &[String]) -> Table {
+/// ended without a solution of the discrete problem, a column `stop 1/4` holds the ends.
+fn table(runs: &[SaddleSettings], levels: &[Vec<LevelNumbers>]) -> Table {
+    let rows: Vec<Row> = runs.iter().zip(levels).map(|(run, of)| row(run.r, of)).collect();
+    let grids: Vec<String> = levels[0].iter().map(LevelNumbers::label).collect();
     let (mut capped, mut stopped) = (Vec::new(), Vec::new());
     for level in 0..grids.len() {
         if rows.iter().any(|row| row.capped[level]) {
             capped.push(level);
         }
-        if ends.iter().any(|ends| ["no-solution", "not-solved"].contains(&ends[level])) {
+        if levels.iter().any(|of| ["no-solution", "not-solved"].contains(&&*of[level].stop)) {
             stopped.push(level);
         }
     }
@@ -274,15 +248,15 @@ fn table(rules: &[StopRule], rows: &[Row], ends: &[Vec<&str>], grids: &[String])
         levels.iter().map(|&level| format!("{name} {}", grids[level])).collect()
     };
     let keys = [RULE, "r"].map(str::to_owned);
-    let counts_and_change = [&keys[..], grids, &["delta_a".to_owned()]].concat();
+    let counts_and_change = [&keys[..], &grids, &["delta_a".to_owned()]].concat();
     let marks = [named("capped", &capped), named("stop", &stopped)].concat();
     let mut table = Table::new(counts_and_change.into_iter().chain(marks), &[]);
-    for ((rule, row), ends) in rules.iter().zip(rows).zip(ends) {
-        let mut cells = vec![rule.to_string(), decimal(row.r)];
+    for ((run, row), levels) in runs.iter().zip(&rows).zip(levels) {
+        let mut cells = vec![run.stop.to_string(), decimal(row.r)];
         cells.extend(row.counts.iter().map(usize::to_string));
         cells.push(decimal(row.delta_a));
         cells.extend(capped.iter().map(|&level| row.capped[level].to_string()));
-        cells.extend(stopped.iter().map(|&level| ends[level].to_owned()));
+        cells.extend(stopped.iter().map(|&level| levels[level].stop.clone()));
         table.rows.push(cells);
     }
     table
@@ -302,13 +276,23 @@ mod tests {
 
     #[test]
     fn a_table_has_all_digits_and_says_what_was_cut_off() {
-        let ends = [vec!["no-solution", "converged"], vec!["converged", "iteration-limit"]];
-        let rows = [
-            Row { r: 1e6, counts: vec![1, 149], capped: vec![false; 2], delta_a: 1e-4 / 3.0 },
-            Row { r: 0.5, counts: vec![3, 55], capped: vec![false, true], delta_a: 3.53e-4 },
+        let level = |cells, iterations, stop: &str, own_stop| LevelNumbers {
+            cells: Some(cells),
+            iterations,
+            stop: stop.into(),
+            own_stop: Some(own_stop),
+            ..LevelNumbers::default()
+        };
+        let (met, limit) = (Stop::Converged, Stop::IterationLimit);
+        let mut levels = [
+            vec![level(4, 1, "no-solution", met), level(8, 149, "converged", met)],
+            vec![level(4, 3, "converged", met), level(8, 55, "iteration-limit", limit)],
         ];
-        let rules = [StopRule::Signed, StopRule::Printed];
-        let csv = table(&rules, &rows, &ends, &["1/4".into(), "1/8".into()]).csv();
+        levels[0][1].delta_a = Some(1e-4 / 3.0);
+        levels[1][1].delta_a = Some(3.53e-4);
+        let runs = [(StopRule::Signed, 1e6), (StopRule::Printed, 0.5)];
+        let runs = runs.map(|(stop, r)| SaddleSettings { stop, r, ..SaddleSettings::default() });
+        let csv = table(&runs, &levels).csv();
         expect_test::expect![[r"
             rule,r,1/4,1/8,delta_a,capped 1/8,stop 1/4
             signed,1000000.0,1,149,0.000033333333333333335,false,no-solution

@@ -49,12 +49,11 @@ impl Lattices {
             width: grids[grids.len() - 1].h(),
             extent: 1.0,
             f: f.to_string(),
-            outside: f.outside(),
             integral,
             size,
             by_quadrature: f.is_smooth(),
             known: f.exact().map(Known::Square),
-            notes: Vec::new(),
+            notes: f.outside(),
             is_adapted: false,
         };
         let (load, missed) = (OnceLock::new(), OnceLock::new());

@@ -98,8 +98,6 @@ pub struct Facts {
     pub extent: f64,
     /// f, in one line.
     pub f: String,
-    /// Pieces of f that are certain to lie outside the domain, where they change nothing.
-    pub outside: Vec<String>,
     /// Integral of f over the domain.
     pub integral: f64,
     /// Integral of |f|.
@@ -108,7 +106,8 @@ pub struct Facts {
     pub by_quadrature: bool,
     /// Known solution whose f this is.
     pub known: Option<Known>,
-    /// Facts on the domain that a user has to know, in a line each, as [`AnyMesh::notes`] has them.
+    /// Facts on the domain and f that a user has to know, in a line each: those of [`AnyMesh::notes`], and the pieces
+    /// of f that are certain to lie outside the domain.
     pub notes: Vec<String>,
     /// True if meshes are finer where the error is large, so that most of them are not shown.
     pub is_adapted: bool,

@@ -71,7 +71,8 @@ where
     ) -> Self {
         let finest = &nested.meshes[nested.meshes.len() - 1];
         // Shapes know whether they reach into the unit box, and no other domain.
-        let outside = f.iter().map(Source::outside).find(|pieces| !pieces.is_empty());
+        let outside = f.iter().map(Source::outside).find(|notes| !notes.is_empty());
+        let outside = outside.filter(|_| finest.is_unit_box());
         let known = match &f[0] {
             Source::Exact(known) if f.iter().all(|other| *other == f[0]) => Some(*known),
             _ => None,
@@ -81,12 +82,11 @@ where
             width: finest.width(),
             extent: finest.extent(),
             f: text.split_whitespace().collect::<Vec<_>>().join(" "),
-            outside: outside.filter(|_| finest.is_unit_box()).unwrap_or_default(),
             integral: load.integral,
             size: load.size,
             by_quadrature: load.unsettled.is_some(),
             known,
-            notes: finest.notes(),
+            notes: finest.notes().into_iter().chain(outside.into_iter().flatten()).collect(),
             is_adapted: false,
         };
         let NestedMeshes { meshes, networks } = nested;

@@ -101,11 +101,13 @@ impl<const D: usize> Source<D> {
         !matches!(self, Self::Pieces { .. })
     }
 
-    /// The pieces that lie outside the domain, where they change nothing.
+    /// Sentences on the pieces that lie outside the unit square or cube, where they change nothing.
     pub fn outside(&self) -> Vec<String> {
         let Self::Pieces { pieces, .. } = self else { return Vec::new() };
         let outside = pieces.iter().filter(|(shape, _)| shape.is_outside());
-        outside.map(|(shape, _)| shape.to_string()).collect()
+        outside
+            .map(|(shape, _)| format!("{shape} of f lies outside [-0.5,0.5] and changes nothing"))
+            .collect()
     }
 
     /// |f| for constant pieces and formulas; a named problem, whose integral is far from zero, is left as it is.

@@ -67,6 +67,12 @@ pub fn plain(number: f64, digits: usize) -> String {
     }
 }
 
+/// Returns a part of one as a percentage with so many significant digits, a whole number without zeros behind it.
+pub fn percent(part: f64, digits: usize) -> String {
+    let text = plain(100.0 * part, digits);
+    format!("{} %", text.strip_suffix(".00").unwrap_or(&text))
+}
+
 /// Returns the ends of an interval with the digits that tell them apart, rounded outwards.
 pub fn interval([low, high]: [f64; 2]) -> String {
     /// Digits beyond those in which the ends agree.

@@ -76,7 +76,7 @@ pub(crate) fn reach<R: Refining>(
             _ => finest.refine()?,
         };
         if let Some(end) = end {
-            return finest.finished(Reached { end, tried, marks: None });
+            return finest.finished(Reached { accuracy, end, tried, marks: None });
         }
     }
     unreachable!("grids and meshes end");

@@ -1,7 +1,7 @@
 //! Solution of a problem, whatever solved it and on whatever domain.
 
 use super::run::{FoundSolution, Run};
-use crate::bounds::{Bounds, NoBound, recovery};
+use crate::bounds::{Accuracy, Bounds, NoBound, recovery};
 use crate::discrete::contact::ContactArc;
 use crate::discrete::end::Outcome;
 use crate::discrete::norms::Errors;
@@ -60,6 +60,8 @@ impl ReachEnd {
 /// Way to an accuracy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reached {
+    /// Accuracy that was asked for.
+    pub accuracy: Accuracy,
     /// Reason for which there is no finer grid or mesh.
     pub end: ReachEnd,
     /// Number of grids or meshes on which a solution was sought, with those that are too coarse for one.
@@ -113,6 +115,11 @@ impl Solved {
         }
     }
 
+    /// Way to an accuracy on meshes, if that is how the solution was found.
+    pub fn way(&self) -> Option<&Reached> {
+        self.reached.as_ref().filter(|reached| reached.marks.is_some())
+    }
+
     /// Run of a solver on levels; none of a true solution.
     pub fn run(&self) -> Option<&Run> {
         match &self.found {
@@ -154,21 +161,51 @@ impl Solved {
         }
     }
 
-    /// Energy: that of v or, where the energy itself was asked for, of the true solution.
+    /// Bounds on the finest level; none where there are none.
+    pub fn last_bounds(&self) -> Option<&Bounds> {
+        self.bounds().last()?.as_ref().ok()
+    }
+
+    /// Reason for which there are no bounds on the finest level.
+    pub fn no_bound(&self) -> Option<&NoBound> {
+        self.bounds().last()?.as_ref().err()
+    }
+
+    /// Bounds where the solver ended as the `end` of this number says; none where there are none.
+    pub fn bounds_on(&self, end: usize) -> Option<&Bounds> {
+        let from_last = self.ends().len() - end;
+        self.bounds().get(self.bounds().len().checked_sub(from_last)?)?.as_ref().ok()
+    }
+
+    /// Energy that answers where the solver ended as the `end` of this number says: that of v or, with the accuracy of
+    /// the energy that was asked for, the number of the guaranteed bracket that is nearest to it.
+    pub fn energy_on(&self, end: usize) -> f64 {
+        let of_v = self.ends()[end].energy;
+        let asked = self.reached.as_ref().map(|reached| reached.accuracy);
+        match (asked, self.bounds_on(end)) {
+            (Some(Accuracy::Energy(_)), Some(bounds)) => bounds.nearest_energy(of_v),
+            _ => of_v,
+        }
+    }
+
+    /// Energy that answers: of the true solution, or on the finest level, as [`Solved::energy_on`] has it.
     pub fn energy(&self) -> f64 {
         match &self.found {
-            FoundSolution::Vector(run) => run.last().energy,
+            FoundSolution::Vector(run) => self.energy_on(run.ends.len() - 1),
             FoundSolution::Truth(found) => found.energy,
         }
     }
 
     /// Arcs in contact on the boundary of a domain in the plane, with ends estimated within the cell unless the
-    /// solution is the true one; none in space.
+    /// solution is the true one; none in space. A force that is a sum of rounding errors is zero.
     pub fn contact(&self) -> Option<Vec<ContactArc>> {
-        match &self.found {
-            FoundSolution::Vector(Run { y, judgement, .. }) => self.problem.arcs(y, judgement),
-            FoundSolution::Truth(found) => Some(found.contact.clone()),
-        }
+        let mut arcs = match &self.found {
+            FoundSolution::Vector(Run { y, judgement, .. }) => self.problem.arcs(y, judgement)?,
+            FoundSolution::Truth(found) => found.contact.clone(),
+        };
+        let facts = self.problem.levels().facts();
+        arcs.iter_mut().for_each(|arc| arc.force = facts.without_rounding(arc.force));
+        Some(arcs)
     }
 
     /// Length of the boundary in contact, that of the arcs of [`Solved::contact`]; in space the area of the nodes in
@@ -197,6 +234,12 @@ impl Solved {
             FoundSolution::Truth(found) => found.force,
         };
         self.problem.levels().facts().without_rounding(force)
+    }
+
+    /// Integral of f: of a true solution over the domain, else over the finest level. A sum of rounding errors is zero.
+    pub fn integral(&self) -> f64 {
+        let facts = self.problem.levels().facts();
+        facts.without_rounding(self.truth().map_or(facts.integral, |found| found.integral))
     }
 
     /// Errors of v on the finest level; none if the solution is not known.

@@ -7,7 +7,7 @@ use crate::problem::complex::Complex;
 use crate::problem::exact::{Exact, Known};
 use crate::problem::law::Law;
 use crate::problem::source::Source;
-use crate::problem::text::plain;
+use crate::problem::text::percent;
 use crate::spectral::contact::arcs::PlaneArc;
 use crate::spectral::contact::start::DiscreteStart;
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneError, PlaneSide, SidePlace};
@@ -169,9 +169,9 @@ impl PlaneTruth {
             let relative = bracket.relative(self.solution.energy);
             if relative > WIDE && self.solution.energy != 0.0 {
                 let PlaneBracket { cause, .. } = bracket;
-                let share = plain(100.0 * relative, 2);
+                let share = percent(relative, 2);
                 notes.push(format!(
-                    "the bounds of the energy are {share} % of it apart: mostly {cause}"
+                    "the bounds of the energy are {share} of it apart: mostly {cause}"
                 ));
             }
         }

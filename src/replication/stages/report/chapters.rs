@@ -9,13 +9,16 @@ use crate::replication::comparison::TableComparison;
 use crate::replication::fields::described::described;
 use crate::replication::fields::write;
 use crate::replication::identified::IdentifiedRecord;
+use crate::replication::numbers::Numbers;
 use crate::replication::project::{IDENTIFIED, TRUTH};
+use crate::replication::record::levels::LevelNumbers;
 use crate::replication::scene::{Output, Scene};
 use crate::replication::stages::diff::{self, DIFF};
 use crate::replication::stages::identify::{self, FINDINGS};
 use crate::replication::stages::results::{self, Results};
-use crate::replication::stages::solve::{self, HISTORY, OUTCOMES, Outcomes};
+use crate::replication::stages::solve::{self, HISTORY, NUMBERS};
 use crate::replication::stages::{artifact, bench, figures, from_json, scene_of};
+use serde::Serialize;
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::experiments::Rows;
@@ -107,12 +110,12 @@ fn problem(
     scene: &Scene,
     table: &TableComparison,
 ) -> Result<BTreeMap<String, Value>, Failure> {
-    let [signed, printed, dual] = RULES.map(|rule| outcomes(inputs, scene, rule, table));
+    let [signed, printed, dual] = RULES.map(|rule| solves(inputs, scene, rule, table));
     let (signed, printed, dual) = (signed?, printed?, dual?);
     let bound = tolerance(scene.grids().len());
     let mut finest = Vec::new();
     for ((signed, printed), dual) in signed.iter().zip(&printed).zip(&dual) {
-        let last = [signed, printed, dual].map(|outcomes| outcomes.levels.last());
+        let last = [signed, printed, dual].map(|solve| solve.levels.last());
         if let [Some(last_signed), Some(last_printed), Some(last_dual)] = last {
             finest.push(json!({
                 "r": signed.r,
@@ -147,7 +150,7 @@ fn problem(
         "percent": identifiability.percent,
         "agreement": results.of_problem(&scene.name)?.agreement(std::slice::from_ref(table))?,
         // Of the load vector on each grid.
-        "sums": signed[0].levels.iter().map(|outcome| outcome.sum_load).collect::<Vec<_>>(),
+        "sums": signed[0].levels.iter().map(|level| level.sum_load).collect::<Vec<_>>(),
         // Part of the gradient that the largest published Delta a causes, h Delta a, and over the tolerance.
         "gap": { "gradient": gap, "tolerances": gap / bound },
         "beyond": beyond(&solve::gradient(inputs, scene)?, bound),
@@ -161,15 +164,26 @@ fn problem(
     Ok(extended(scene, more))
 }
 
-/// Returns the outcomes of a scene under a rule, one for each row of the table.
-fn outcomes(
+/// Numbers on the grids of a solve with an r.
+#[derive(Serialize)]
+struct SolveWithR {
+    r: f64,
+    levels: Vec<LevelNumbers>,
+}
+
+/// Returns the solves of a scene under a rule, one for each row of the table.
+fn solves(
     inputs: &Inputs,
     scene: &Scene,
     rule: StopRule,
     table: &TableComparison,
-) -> Result<Vec<Outcomes>, String> {
-    let ids = table.rows.iter().map(|row| solve::id(scene, rule, row.r));
-    ids.map(|id| from_json(inputs, &id, OUTCOMES)).collect()
+) -> Result<Vec<SolveWithR>, String> {
+    let mut solves = Vec::new();
+    for row in &table.rows {
+        let numbers: Numbers = from_json(inputs, &solve::id(scene, rule, row.r), NUMBERS)?;
+        solves.push(SolveWithR { r: row.r, levels: numbers.levels() });
+    }
+    Ok(solves)
 }
 
 /// Returns the numbers of nodes where a component of the gradient is beyond the tolerance, by its sign.
@@ -224,14 +238,14 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
     let path = format!("pipeline/scenes/{}.toml", scene.name);
     let text = inputs.file(&path)?.ok_or_else(|| format!("{path} is missing"))?;
     let rule = scene.first_rule();
-    let outcomes = solve::drawn_outcomes(inputs, scene, rule)?;
+    let numbers = solve::drawn(inputs, scene, rule)?;
     let problem = solve::problem(inputs, scene)?;
     let facts = problem.levels().facts();
     let exact = match facts.known {
         Some(Known::Square(exact)) => Some(exact.latex()),
         _ => None,
     };
-    let (level, bounds) = (outcomes.levels.last(), outcomes.last_bounds());
+    let bounds = solve::bounds(scene, &numbers);
     let held = scene.wants(Output::Map).then(|| {
         solve::pair(inputs, scene, rule, &problem).map(|pair| solve::held(&problem, &pair))
     });
@@ -245,10 +259,8 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         // The exact solution in LaTeX, if it is known.
         "exact": exact,
         // Bound of the error over the solution, if it is less than that.
-        "relative": bounds.map(Bounds::relative).filter(|&error| error < 1.0),
-        // The finest level; none for the spectral solver.
-        "level": level,
-        "energy": outcomes.shown_energy(5),
+        "relative": bounds.as_ref().map(Bounds::relative).filter(|&error| error < 1.0),
+        "energy": numbers.shown_energy(5),
     });
     Ok(extended(scene, more))
 }
