@@ -7,6 +7,7 @@ mod certificate;
 mod dag;
 mod diff;
 mod gc;
+mod help;
 mod identify;
 mod init;
 mod interrupt;
@@ -22,6 +23,7 @@ mod status;
 
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::{composed, shortened};
+use crate::replication::limits;
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
 use crate::timing::machine;
@@ -48,6 +50,7 @@ const HELP_WIDTH: usize = 90;
     args_conflicts_with_subcommands = true,
     // As shells expand an alias that has the option already.
     args_override_self = true,
+    disable_help_subcommand = true,
     max_term_width = HELP_WIDTH,
     after_help = "`--help` shows all options, examples and exit codes.",
     after_long_help = "Examples:\n  \
@@ -112,21 +115,13 @@ enum Command {
         `--help` shows all options, and the regions on which f may be given.",
         after_long_help = "Examples:\n  signorini solve problem2 --json\n  \
         signorini solve --f 'quadrant(ll)=3; else=-1.1' --h 1/256 --out v.vti\n  \
-        signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --out v.npy\n  \
-        signorini solve --domain cube --f 'ball(0,0,0,0.25)=2; else=-1' --h 1/32 --out v.vtu\n  \
-        signorini solve --f 'disc(-0.25,0,0.2)=6; else=-1' --save disc\n  \
-        signorini solve --f 'halfplane(1,0,0)=8; else=-9' --vary friction=0.5,1 --csv t.csv\n  \
-        signorini solve --f 'disc(0,0,$R)=4; else=-1' --vary R=0.1,0.2 --save radii\n\n\
-        f is a list of `region=value` and one `else=value`, separated by `;`; the last region that covers \
-        a point wins. The square is [-0.5,0.5]^2; its regions are rect(x0,x1,y0,y1), \
-        quadrant(ll|lr|ul|ur), halfplane(a,b,c) for ax+by<=c, and disc(x,y,radius). exact(NAME) is a \
-        problem with known solution: full-contact, torsion, free-segment, free-corner. formula(3*x*y - 1.1) is f \
-        by a formula in x and y, with + - * / ^, pi, e, sin, cos, tan, exp, ln, sqrt, abs, min, max, atan2; \
-        integrals of it are by quadrature, of degree 5 on the square, until they settle on a mesh.\n\n\
-        The cube is [-0.5,0.5]^3; in space, regions are box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius), and \
-        halfspace(a,b,c,d) for ax+by+cz<=d, and a formula is in x, y and z; the known solutions on the cube are \
-        full-contact, free-strip, free-disc.\n\n\
-        Exit code 3: the solver stopped short of a solution, there is none, or an accuracy is not reached."
+        signorini solve --f 'disc(0,0,$R)=4; else=-1' --vary R=0.1,0.2 --csv t.csv\n\n\
+        f is a list of `region=value` and one `else=value`, separated by `;`; the last region that covers a point \
+        wins. Regions: rect(x0,x1,y0,y1), quadrant(ll|lr|ul|ur), halfplane(a,b,c) for ax+by<=c, disc(x,y,radius), of \
+        a mesh region(name); in space box(x0,x1,y0,y1,z0,z1), halfspace(a,b,c,d), ball(x,y,z,radius). The square is \
+        [-0.5,0.5]^2, the cube [-0.5,0.5]^3. Or formula(3*x*y - 1.1), with + - * / ^, pi, e, sin, cos, tan, exp, ln, \
+        sqrt, abs, min, max, atan2; or exact(NAME), see `signorini list`.\n\n\
+        Exit code 3: there is no solution, it is not reached, or an accuracy is not."
     )]
     Solve(Box<solve::SolveArgs>),
     /// Search for the right-hand sides of Figure 1 that give the published tables
@@ -190,11 +185,18 @@ fn name_parser(text: &str) -> std::result::Result<String, Infallible> {
 /// Parses the arguments, runs the command, reports an error in one line, and returns the exit code.
 pub fn main() -> ExitCode {
     let mut command = Cli::command();
-    let matches = command.try_get_matches_from_mut(std::env::args_os());
+    let words = help::words();
+    if words.iter().any(|word| word == "--help") {
+        command = help::with_all_options(command);
+    }
+    let matches = command.try_get_matches_from_mut(words);
     let parsed = matches.and_then(|matches| Cli::from_arg_matches(&matches));
     let cli = match parsed {
         Ok(cli) => cli,
         Err(mut e) => {
+            if let Some(limit) = limit(&e) {
+                return ended(Err(Error::input(limit)));
+            }
             if e.kind() == ErrorKind::UnknownArgument
                 && let Some(word) =
                     std::env::args_os().nth(1).and_then(|word| word.into_string().ok())
@@ -229,6 +231,23 @@ pub fn main() -> ExitCode {
         return ExitCode::from(Error::Stage(Vec::new()).exit_code());
     };
     ended(result)
+}
+
+/// Returns the sentence on what is not solved, if an argument asks for it.
+fn limit(error: &clap::Error) -> Option<String> {
+    let text = |kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => Some(text.as_str()),
+        _ => None,
+    };
+    let option = text(ContextKind::InvalidArg)?.split([' ', '=']).next()?;
+    let said = match error.kind() {
+        ErrorKind::UnknownArgument => limits::of_word(option)?,
+        ErrorKind::ValueValidation if ["--friction", "--limit"].contains(&option) => {
+            text(ContextKind::InvalidValue)?.contains('=').then(limits::one_law)?
+        }
+        _ => return None,
+    };
+    Some(format!("{option}: {said}"))
 }
 
 /// Returns the exit code of a command, after a line for an error.

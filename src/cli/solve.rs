@@ -32,6 +32,9 @@ use signorini_mathematics::solvers::{Solver, recovered};
 use signorini_mathematics::statement::Statement;
 use std::path::{Path, PathBuf};
 
+/// Heading of the options for what is written.
+const FILES: &str = "Files and pictures";
+
 #[derive(Args)]
 // That one of them may be missing is for studies of f.
 #[command(override_usage = "signorini solve [OPTIONS] <SCENE|--f <F>>")]
@@ -44,12 +47,13 @@ pub(super) struct SolveArgs {
     scene: Option<String>,
     #[command(flatten)]
     fields: Fields,
-    /// With an accuracy on a mesh, most nodes of the last mesh; what is reached with them is the answer
+    /// Most nodes of a mesh that is refined to an accuracy
     ///
-    /// Ctrl-C ends a run to an accuracy in the same way, a second one at once.
+    /// The mesh that is reached with them has the answer. Ctrl-C ends a run to an accuracy in the same way, a
+    /// second one at once.
     #[arg(long, value_name = "N", hide_short_help = true)]
     most_nodes: Option<usize>,
-    /// With an accuracy on a mesh, a line for each mesh: nodes and error
+    /// A line for each mesh on the way to an accuracy
     #[arg(short, long, hide_short_help = true)]
     verbose: bool,
     #[command(flatten)]
@@ -57,7 +61,7 @@ pub(super) struct SolveArgs {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Solve with each of these values of an option, or of a $NAME in f, and print a table [may be given several times]
+    /// A row for each value of an option, or of a $NAME in f
     ///
     /// Several are combined: --vary friction=0.2,0.4 --vary refine=2,3 are four members. FIRST:LAST:STEP is a range of
     /// numbers. Values with commas end with |, as grids=4,8|8,16|. A $NAME is a number. --json prints a line for each
@@ -65,42 +69,42 @@ pub(super) struct SolveArgs {
     /// the table, report/tables/NAME.csv, also in LaTeX, and a chart.
     #[arg(long, value_name = "NAME=A,B,..", value_parser = varied)]
     vary: Vec<Varied>,
-    /// With --vary, write the table with all digits
-    #[arg(long, value_name = "FILE", hide_short_help = true)]
+    /// Write the table of --vary with all digits
+    #[arg(long, help_heading = FILES, value_name = "FILE", hide_short_help = true)]
     csv: Option<PathBuf>,
-    /// Write what is asked as a scene of the project, pipeline/scenes/NAME.toml
+    /// Write what is asked as a scene, pipeline/scenes/NAME.toml
     ///
     /// `run NAME` then solves the same, keeps the result, and draws it.
-    #[arg(long, value_name = "NAME", value_parser = name_parser)]
+    #[arg(long, help_heading = FILES, value_name = "NAME", value_parser = name_parser)]
     save: Option<String>,
-    /// Write the solution: .vti, on a mesh .vtu, for ParaView, .npz or .npy for NumPy, .svg for a picture
+    /// Write the solution: .svg .vti .vtu .pvd .npz .npy .csv
     ///
-    /// An .npz has v, multiplier and f, on a mesh also region and local_error, an .npy v alone. The multiplier is zero
-    /// inside and on fixed and free parts. A .pvd lists a .vtu of each refinement of the mesh, of an accuracy also
-    /// those between solutions, all with the last v, the coarsest first, and a .csv has v and its gradient at the
-    /// points of --at and --line. The ending alone, `vti`, names the file after the scene. The spectral solver's
-    /// solution is written at the nodes of --h, or of the mesh of --refine. A picture is a shaded surface on the square
-    /// and a map on every other domain in the plane, unless --map or --surface says otherwise; a solution in space has
-    /// none.
-    #[arg(long, value_name = "FILE")]
+    /// An .svg is a picture, .vti and on a mesh .vtu are for ParaView, .npz and .npy for NumPy. An .npz has v,
+    /// multiplier and f, on a mesh also region and local_error, an .npy v alone. The multiplier is zero inside and on
+    /// fixed and free parts. A .pvd lists a .vtu of each refinement of the mesh, of an accuracy also those between
+    /// solutions, all with the last v, the coarsest first, and a .csv has v and its gradient at the points of --at
+    /// and --line. The ending alone, `vti`, names the file after the scene. The spectral solver's solution is written
+    /// at the nodes of --h, or of the mesh of --refine. A picture is a shaded surface on the square and a map on
+    /// every other domain in the plane, unless --map or --surface says otherwise; a solution in space has none.
+    #[arg(long, help_heading = FILES, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// With --out FILE.svg, draw a map: v in colour with isolines, the boundary in contact red [default on meshes]
-    #[arg(long, requires = "out", conflicts_with_all = ["surface", "mesh"])]
+    /// In an .svg, a map with isolines [default on meshes]
+    #[arg(long, help_heading = FILES, requires = "out", conflicts_with_all = ["surface", "mesh"])]
     map: bool,
-    /// With --out FILE.svg, draw a shaded surface [default on the square]
-    #[arg(long, hide_short_help = true, requires = "out", conflicts_with = "mesh")]
+    /// In an .svg, a shaded surface [default on the square]
+    #[arg(long, help_heading = FILES, hide_short_help = true, requires = "out", conflicts_with = "mesh")]
     surface: bool,
-    /// With --out FILE.svg, draw the mesh with f in colour, on fine meshes a coarser one
-    #[arg(long, hide_short_help = true, requires = "out")]
+    /// In an .svg, the mesh with f in colour, or a coarser one
+    #[arg(long, help_heading = FILES, hide_short_help = true, requires = "out")]
     mesh: bool,
-    /// With --out FILE.svg, width of the picture in print, such as 85mm; a number alone counts pixels
-    #[arg(long, value_name = "LENGTH", hide_short_help = true, requires = "out")]
+    /// In an .svg, width in print, as 85mm, or in pixels
+    #[arg(long, help_heading = FILES, value_name = "LENGTH", hide_short_help = true, requires = "out")]
     width: Option<Width>,
-    /// With --out FILE.svg, draw no title
-    #[arg(long, hide_short_help = true, requires = "out")]
+    /// In an .svg, no title
+    #[arg(long, help_heading = FILES, hide_short_help = true, requires = "out")]
     no_title: bool,
-    /// With --out, write the recovered solution, piecewise quadratic, on half the width
-    #[arg(long, hide_short_help = true)]
+    /// Write the recovered solution, piecewise quadratic, on h / 2
+    #[arg(long, help_heading = FILES, hide_short_help = true)]
     recover: bool,
 }
 

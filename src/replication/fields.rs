@@ -19,7 +19,7 @@ pub(crate) mod write;
 use crate::figures::Print;
 use crate::replication::output::Output;
 use clap::{ArgAction, Args};
-use keys::{ChartFields, curves, law, name_or_table, width};
+use keys::{ChartFields, curves, law, name_or_table, one_number, width};
 use serde::Deserialize;
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::discrete::transfer::Prolongation;
@@ -28,6 +28,9 @@ use signorini_mathematics::saddle::StopRule;
 use signorini_mathematics::solvers::Solver;
 use values::{LoadParser, Suggested, prolongation_parser, solver_parser};
 use vary::Vary;
+
+/// Heading of the options that the paper's method has.
+const PAPERS: &str = "For the paper's method";
 
 /// Fields about parts of the boundary, by their names.
 const PARTS: [&str; 2] = ["free", "fixed"];
@@ -42,7 +45,9 @@ pub(crate) struct Fields {
     /// Number of the published table with which a scene is compared.
     #[arg(skip)]
     pub paper_table: Option<u8>,
-    /// The right-hand side, e.g. 'rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5' or 'formula(3*x*y - 1.1)'
+    /// The right-hand side, as 'disc(0,0,0.2)=4; else=-1'
+    ///
+    /// 'formula(3*x*y - 1.1)' is another.
     #[arg(long, allow_negative_numbers = true)]
     pub f: Option<String>,
     #[command(flatten)]
@@ -51,14 +56,16 @@ pub(crate) struct Fields {
     #[command(flatten)]
     #[serde(deserialize_with = "law")]
     pub law: LawFields,
-    /// Width of the finest grid of the square or the cube, as 1/256 [default: the scene's, or 1/64; on the cube 1/16]
+    /// Width of the finest grid, as 1/256 [default: the scene's, or 1/64; on the cube 1/16]
     ///
-    /// 0.00390625, and 256 cells per side, are the same width.
+    /// 0.00390625, and 256 cells per side, are the same width. On a mesh --refine takes its place.
     #[arg(long, value_name = "1/N", allow_negative_numbers = true)]
     #[serde(deserialize_with = "width")]
     pub h: Option<String>,
-    /// Cells per side of the nested grids of the square, coarsest first, as 4,8,16 [default: the scene's, or all of h]
-    #[arg(long, value_name = "N,..", hide_short_help = true, value_delimiter = ',', num_args = 1,
+    /// Cells per side of the grids, as 4,8,16 [default: the scene's, or all of h]
+    ///
+    /// The grids of the square are nested, the coarsest first.
+    #[arg(long, help_heading = PAPERS, value_name = "N,..", hide_short_help = true, value_delimiter = ',', num_args = 1,
         action = ArgAction::Set)]
     pub grids: Option<Vec<usize>>,
     /// Solver [default: the scene's, or multigrid]
@@ -66,33 +73,42 @@ pub(crate) struct Fields {
     /// With --r, --stop or --max-iterations the default is arrow-hurwicz, unless the scene's takes them.
     #[arg(long, value_parser = solver_parser())]
     pub solver: Option<Solver>,
-    /// Quadrature of the load vector [default: the scene's, or bilinear; with an accuracy: bilinear]
-    #[arg(long, hide_short_help = true, value_parser = LoadParser)]
+    /// Quadrature of the load [default: the scene's, or bilinear]
+    ///
+    /// With an accuracy it is bilinear.
+    #[arg(long, help_heading = PAPERS, hide_short_help = true, value_parser = LoadParser)]
     pub load: Option<LoadRule>,
     /// Duality parameter [default: the scene's, or 10]
-    #[arg(long, allow_negative_numbers = true, num_args = 1, action = ArgAction::Set)]
+    #[arg(long, help_heading = PAPERS, allow_negative_numbers = true, num_args = 1,
+        action = ArgAction::Set)]
     pub r: Option<Vec<f64>>,
-    /// Stopping rule: signed (as in the tables), printed (as in (13)), signed-dual, printed-dual
-    /// [default: the scene's, or printed]
-    #[arg(long, value_name = "RULE", hide_short_help = true, hide_possible_values = true, num_args = 1,
+    /// Stopping rule: signed (of the tables), printed, signed-dual, printed-dual [default: the scene's, or printed]
+    #[arg(long, help_heading = PAPERS, value_name = "RULE", hide_short_help = true, hide_possible_values = true,
+        num_args = 1,
         action = ArgAction::Set, value_parser = Suggested(StopRule::ALL.map(StopRule::name).to_vec()))]
     pub stop: Option<Vec<String>>,
     /// r whose solution a scene draws.
     #[arg(skip)]
     pub draw_r: Option<f64>,
-    /// Cap on iterations per grid; for the Uzawa solvers, on sweeps [default: the scene's, or 1000000]
-    #[arg(long, value_name = "N", hide_short_help = true, value_parser = clap::value_parser!(u64).range(1..))]
+    /// Most iterations per grid, of Uzawa's method sweeps [default: the scene's, or 1000000]
+    #[arg(long, help_heading = PAPERS, value_name = "N", hide_short_help = true,
+        value_parser = clap::value_parser!(u64).range(1..))]
     pub max_iterations: Option<u64>,
-    /// Value at the centre of a coarse cell on the next grid of the square [default: the scene's, or bilinear]
-    #[arg(long, value_name = "RULE", hide_short_help = true, value_parser = prolongation_parser())]
+    /// Value at the centre of a coarse cell on the next grid [default: the scene's, or bilinear]
+    #[arg(long, help_heading = PAPERS, value_name = "RULE", hide_short_help = true,
+        value_parser = prolongation_parser())]
     pub prolongation: Option<Prolongation>,
-    /// KKT residual over the largest load at which multigrid stops [default: the rounding floor]
+    /// KKT residual where multigrid stops [default: rounding floor]
+    ///
+    /// It is relative to the largest load.
     #[arg(long, value_name = "RESIDUAL", hide_short_help = true, allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
-    /// Guaranteed relative error in the energy norm; chooses the grid by itself, or refines the mesh where it is coarse
+    /// Refine to this guaranteed relative error in the energy norm
+    ///
+    /// A grid is refined everywhere, a mesh in the plane where its error is large.
     #[arg(long, value_name = "REL", allow_negative_numbers = true)]
     pub accuracy: Option<f64>,
-    /// Guaranteed relative error of the energy; chooses the grid by itself, or refines the mesh where it is coarse
+    /// Refine to this guaranteed relative error of the energy
     #[arg(long, value_name = "REL", hide_short_help = true, allow_negative_numbers = true)]
     pub accuracy_energy: Option<f64>,
     /// Outputs of a scene.
@@ -125,16 +141,16 @@ pub(crate) struct DomainFields {
     #[arg(id = "domain", long = "domain", value_name = "NAME|FILE", hide_possible_values = true,
         value_parser = Suggested(AnyMesh::built_in_names()))]
     pub name: Option<String>,
-    /// Number of refinements of the mesh [default: up to 20 000 nodes]
+    /// Refinements of the mesh [default: up to 20 000 nodes]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u8).range(0..=20))]
     pub refine: Option<u8>,
-    /// Part of the mesh's boundary where dv/dn = 0; the rest is in contact
+    /// Part of the boundary where dv/dn = 0; others are in contact
     #[arg(long, value_name = "PART", hide_short_help = true)]
     pub free: Vec<String>,
-    /// Part of the mesh's boundary where v = 0
+    /// Part of the boundary where v = 0
     #[arg(long, value_name = "PART", hide_short_help = true)]
     pub fixed: Vec<String>,
-    /// Circle, sphere or cylinder on which a part of the boundary lies, e.g. hole=0,0,0.3
+    /// Circle, sphere or cylinder of a part, as hole=0,0,0.3
     ///
     /// Refinement puts new nodes there. A circle is x,y,radius; a sphere x,y,z,radius; a cylinder a point, a direction
     /// and a radius.
@@ -148,10 +164,12 @@ pub(crate) struct DomainFields {
 #[serde(default, deny_unknown_fields)]
 #[serde(expecting = "a table such as { friction = 0.3 } or { limit = 2.0 }")]
 pub(crate) struct LawFields {
-    /// Friction on the boundary: |dv/dn| is at most G, and v leaves zero only where it is G
+    /// Law: |dv/dn| is at most G, and v is 0 where it is less
     #[arg(long, value_name = "G", allow_negative_numbers = true)]
+    #[serde(deserialize_with = "one_number")]
     pub friction: Option<f64>,
-    /// Limited flow: the paper's law, but dv/dn is at most LIMIT, and v < 0 where it is LIMIT
+    /// Law: dv/dn between 0 and LIMIT, and v < 0 where it is LIMIT
     #[arg(long, value_name = "LIMIT", allow_negative_numbers = true, hide_short_help = true)]
+    #[serde(deserialize_with = "one_number")]
     pub limit: Option<f64>,
 }

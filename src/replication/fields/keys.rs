@@ -2,6 +2,7 @@
 
 use super::table::text;
 use super::{DomainFields, LawFields};
+use crate::replication::limits;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
@@ -47,6 +48,16 @@ pub(super) fn law<'de, D: Deserializer<'de>>(deserializer: D) -> Result<LawField
         ));
     }
     Ok(law)
+}
+
+/// Reads the number of a law.
+pub(super) fn one_number<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Option<f64>, D::Error> {
+    match Value::deserialize(deserializer)? {
+        Value::Table(_) => Err(serde::de::Error::custom(limits::one_law())),
+        value => value.try_into().map(Some).map_err(serde::de::Error::custom),
+    }
 }
 
 /// Reads a width: a text as of options, or a number.

@@ -9,6 +9,7 @@ use super::member::{Member, Varying, in_words};
 use super::names::{is_name, names, with_numbers};
 use super::table::{FIELDS, Field, Reading, Refused, Voice, field, text};
 use crate::replication::columns::{COLUMNS, END};
+use crate::replication::limits;
 use clap::builder::Resettable;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, Args, Command, FromArgMatches};
@@ -168,7 +169,9 @@ impl Vary {
         {
             if !in_f.contains(name.as_str()) {
                 let known = FIELDS.map(|field| field.name).join(", ");
-                let text = format!("no such field, and f has no ${name}; the fields are {known}");
+                let text = limits::of_word(name).unwrap_or_else(|| {
+                    format!("no such field, and f has no ${name}; the fields are {known}")
+                });
                 return Err(refused(voice, name, None, &text));
             }
             numbers.insert(name.clone(), number_of(voice, name, value)?);

@@ -6,6 +6,7 @@ use crate::pipeline::error::{Error, Result, from_toml};
 use crate::replication::fields::Fields;
 use crate::replication::fields::lists::repeated;
 use crate::replication::fields::table::{Reading, Refused, Voice, field};
+use crate::replication::limits;
 use crate::replication::output::Output;
 use crate::replication::study::Study;
 use signorini_mathematics::discrete::load::LoadRule;
@@ -139,6 +140,9 @@ fn with_table(error: Error) -> Error {
     let unknown = text.split_once("unknown field `");
     let belongs = unknown.and_then(|(place, rest)| {
         let (name, _) = rest.split_once('`')?;
+        if let Some(limit) = limits::of_word(name) {
+            return Some(format!("{place}`{name}`: {limit}"));
+        }
         let table = field(name)?.table?;
         Some(format!("{place}`{name}` belongs to `{table}`; write {table} = {{ {name} = .. }}"))
     });

@@ -9,6 +9,7 @@ use crate::replication::comparison::TableComparison;
 use crate::replication::fields::described::described;
 use crate::replication::fields::write;
 use crate::replication::identified::IdentifiedRecord;
+use crate::replication::limits::LIMITS;
 use crate::replication::numbers::Numbers;
 use crate::replication::project::{IDENTIFIED, TRUTH};
 use crate::replication::record::levels::LevelNumbers;
@@ -84,6 +85,7 @@ pub(super) fn context(
     context.insert("license", env!("CARGO_PKG_LICENSE"));
     context.insert("timings", &times(&bench::times(inputs)?)?);
     context.insert("fields", &described());
+    context.insert("limits", &LIMITS);
     Ok(context)
 }
 
