@@ -12,7 +12,7 @@ use crate::replication::comparison::{TableComparison, Tables};
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
 use crate::replication::stages::report::stand_ins::stand_ins;
-use crate::replication::stages::{Stage, report, scene_of, solve, study};
+use crate::replication::stages::{Stage, report, scene_of, solve};
 use clap::{Args, ValueEnum};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -277,15 +277,10 @@ impl RunArgs {
                 tables.iter().any(|table| table.scene == scene.name && table.all_counts_exact())
             };
             for scene in workplace.project.select(scenes)? {
-                let artifact =
-                    |task: &str, name: &str| outcomes_of(workplace, summary, (task, name));
-                let numbers = |task: &str| artifact(task, solve::NUMBERS);
-                let lines = match scene.is_study {
-                    true => study::remarks(scene, artifact),
-                    false if is_as_published(scene) => Vec::new(),
-                    false => solve::remarks(scene, numbers),
-                };
-                lines.iter().for_each(|line| talk(line));
+                if !is_as_published(scene) {
+                    let lines = solve::remarks(scene, |task| numbers_of(workplace, summary, task));
+                    lines.iter().for_each(|line| talk(line));
+                }
             }
         }
         Ok(())
@@ -305,15 +300,11 @@ impl RunArgs {
     }
 }
 
-/// Artifact of a task that solved something in this run.
-fn outcomes_of(
-    workplace: &Workplace,
-    summary: &Summary,
-    (task, artifact): (&str, &str),
-) -> Option<Vec<u8>> {
+/// Numbers of a task that solved something in this run.
+fn numbers_of(workplace: &Workplace, summary: &Summary, task: &str) -> Option<Vec<u8>> {
     summary.ran.iter().find(|ran| ran.task == task)?;
     let outputs = &summary.manifests.get(task)?.outputs;
-    workplace.store.artifacts(task, outputs).ok()?.remove(artifact)
+    workplace.store.artifacts(task, outputs).ok()?.remove(solve::NUMBERS)
 }
 
 /// A line that says what the book leaves out and why, if it is among the tasks and leaves anything out.

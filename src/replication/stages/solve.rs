@@ -3,11 +3,11 @@
 //!
 //! Central is [`Cell::run`], which solves as the command `solve` does.
 
-use super::{artifact, from_json, study, to_json};
+use super::{artifact, from_json, study, tabulate, to_json};
 use crate::pipeline::error::{Error, Failure, Result as Read};
 use crate::pipeline::names::in_shell;
 use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task};
-use crate::replication::fields::member::Member;
+use crate::replication::fields::member::{Member, in_words};
 use crate::replication::fields::table::Voice;
 use crate::replication::mesh_files;
 use crate::replication::numbers::Numbers;
@@ -22,7 +22,6 @@ use signorini_mathematics::problem::text::percent;
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, StopRule};
 use signorini_mathematics::solvers::{Memory, ReachEnd, SaddleSettings, Solved, Tried, Watcher};
 use signorini_mathematics::statement::{Fineness, Statement};
-use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -320,39 +319,35 @@ pub(super) fn label(scene: &Scene, rule: Option<StopRule>) -> String {
 /// Number of solves that a line names, and of lines of warnings.
 const MOST_NAMED: usize = 3;
 
-/// Returns lines on the solves of a scene that ended without a solution on the finest level, with a command that shows
-/// one of them, and on the warnings of the others; `artifact` reads the [`NUMBERS`] of a task, or returns `None` for a
+/// Returns lines on the members of a scene that have no solution, with the command that shows one of them or the table
+/// that says why, and on the warnings of the others; `artifact` reads the [`NUMBERS`] of a task, or returns `None` for a
 /// task that is not concerned.
 pub(crate) fn remarks(scene: &Scene, artifact: impl Fn(&str) -> Option<Vec<u8>>) -> Vec<String> {
-    let (mut ends, mut warned) = (BTreeMap::new(), Grouped::default());
-    let mut command = None;
+    let (mut ends, mut warned) = (Grouped::default(), Grouped::default());
+    let mut says_why = None;
     for member in &scene.study.members {
         let Some(bytes) = artifact(&id_of(scene, member)) else { continue };
         let Ok(numbers) = serde_json::from_slice::<Numbers>(&bytes) else { continue };
         let (place, of_member) = named(scene, member);
         if numbers.reason.is_some() {
-            let end = numbers.stop.unwrap_or_default();
-            let places: &mut Vec<String> = ends.entry(end).or_default();
-            places.extend(place);
-            command.get_or_insert(of_member);
+            ends.add(numbers.stop.unwrap_or_else(|| "no-solution".into()), place);
+            says_why.get_or_insert(of_member);
             continue;
         }
         let remedy = numbers.remedy.map_or(String::new(), |remedy| format!("; {remedy}"));
         for (k, fact) in numbers.warnings.iter().enumerate() {
             let is_last = k + 1 == numbers.warnings.len();
-            let text = format!("{fact}{}", if is_last { &remedy } else { "" });
-            warned.add(text, place.clone().unwrap_or_default());
+            warned.add(format!("{fact}{}", if is_last { &remedy } else { "" }), place.clone());
         }
     }
     let mut lines = Vec::new();
-    if let Some(command) = command {
-        let ends = ends.into_iter().map(|(end, places)| format!("{end}{}", with(&places)));
-        let ends = ends.collect::<Vec<_>>().join("; ");
-        lines.push(format!("{}: {ends}; `{command}` says why", scene.name));
+    if let Some(says_why) = says_why {
+        let ends = ends.first(usize::MAX).iter();
+        let ends: Vec<_> = ends.map(|(end, places)| format!("{end}{}", with(places))).collect();
+        lines.push(format!("{}: {}; {says_why} says why", scene.name, ends.join("; ")));
     }
     for (warning, places) in warned.first(MOST_NAMED) {
-        let places = if places[0].is_empty() { String::new() } else { with(places) };
-        lines.push(format!("{}: warning{places}: {warning}", scene.name));
+        lines.push(format!("{}: warning{}: {warning}", scene.name, with(places)));
     }
     let more = warned.beyond(MOST_NAMED);
     if more > 0 {
@@ -361,29 +356,35 @@ pub(crate) fn remarks(scene: &Scene, artifact: impl Fn(&str) -> Option<Vec<u8>>)
     lines
 }
 
-/// Returns the name of a member of a scene, if it has several, and the command that solves it.
-fn named(scene: &Scene, member: &Member) -> (Option<String>, String) {
+/// Returns the name of a member of a scene, empty if there is one alone, and what shows its end: the command that solves
+/// it or, of a study, the table.
+fn named(scene: &Scene, member: &Member) -> (String, String) {
     let mut command = format!("signorini solve {}", in_shell(&scene.name));
-    let place = member.statement.saddle.map(|SaddleSettings { stop: rule, r, .. }| {
-        let mut place = format!("r = {r}");
+    if scene.is_study {
+        let place = in_words(&scene.study.names, scene.study.values(member));
+        let table = format!("{}/{}", tabulate::FOLDER, tabulate::file(scene));
+        return (place, if scene.wants(Output::Table) { table } else { format!("`{command}`") });
+    }
+    let mut place = String::new();
+    if let Some(SaddleSettings { stop: rule, r, .. }) = member.statement.saddle {
+        place = format!("r = {r}");
         command += &format!(" --r {r}");
         if Some(rule) != scene.first_rule() {
             place += &format!(" under {rule}");
             command += &format!(" --stop {rule}");
         }
-        place
-    });
-    (place, command)
+    }
+    (place, format!("`{command}`"))
 }
 
-/// Returns the first places, and the number of the others; nothing of none.
+/// Returns the first places, and the number of the others; nothing where the only one has no name.
 fn with(places: &[String]) -> String {
     let named = &places[..places.len().min(MOST_NAMED)];
     let more = match places.len() - named.len() {
         0 => String::new(),
         more => format!(" and {more} more"),
     };
-    if named.is_empty() { String::new() } else { format!(" with {}{more}", named.join(", ")) }
+    if named[0].is_empty() { String::new() } else { format!(" with {}{more}", named.join(", ")) }
 }
 
 /// Returns the problem of a scene on the levels on which it was solved: those of the scene or, for an accuracy, the

@@ -3,11 +3,10 @@
 use super::solve::{self, NUMBERS};
 use super::{from_json, tabulate};
 use crate::figures::{Chart, Curve, Picture, Scale, Stroke, axes_alone, charts};
-use crate::pipeline::names::in_shell;
 use crate::pipeline::{Inputs, Made, Task, hash};
 use crate::replication::fields::member::Member;
 use crate::replication::numbers::Numbers;
-use crate::replication::scene::{Output, Scene};
+use crate::replication::scene::Scene;
 use crate::replication::study::{Axes, Study, of_axis};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -84,36 +83,6 @@ fn all_numbers(inputs: &Inputs, scene: &str, study: &Study) -> Result<Vec<Number
 /// Returns the rows of the study of a scene, as [`Study::rows`].
 pub(super) fn rows(inputs: &Inputs, scene: &str, study: &Study) -> Result<Value, String> {
     Ok(json!(study.rows(&all_numbers(inputs, scene, study)?)))
-}
-
-/// Returns a line on the members of a study that have no solution, and one on those with warnings; `outcome` reads the
-/// artifact of this name of a task, or returns `None` for a task that is not concerned.
-pub(crate) fn remarks(
-    scene: &Scene,
-    outcome: impl Fn(&str, &str) -> Option<Vec<u8>>,
-) -> Vec<String> {
-    let (mut without, mut warned, mut count) = (0, 0, 0);
-    for task in solve::ids(scene) {
-        count += 1;
-        let numbers = outcome(&task, NUMBERS);
-        let numbers = numbers.and_then(|bytes| serde_json::from_slice::<Numbers>(&bytes).ok());
-        without += usize::from(numbers.as_ref().is_some_and(|of| of.reason.is_some()));
-        warned += usize::from(numbers.is_some_and(|of| !of.warnings.is_empty()));
-    }
-    let says = match scene.wants(Output::Table) {
-        true => format!("{}/{}", tabulate::FOLDER, tabulate::file(scene)),
-        false => format!("`signorini solve {}`", in_shell(&scene.name)),
-    };
-    let mut lines = Vec::new();
-    for (number, what, verb) in
-        [(without, "without a solution", "says why"), (warned, "with warnings", "has them")]
-    {
-        if number > 0 {
-            lines
-                .push(format!("{}: {number} of {count} members {what}; {says} {verb}", scene.name));
-        }
-    }
-    lines
 }
 
 /// Draws the chart of a study: a curve for each of the other values that are varied.

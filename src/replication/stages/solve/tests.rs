@@ -3,6 +3,7 @@
 use super::*;
 use crate::pipeline::InputFile;
 use crate::replication::study::Study;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Cell of a scene with one member.
