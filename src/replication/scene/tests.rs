@@ -29,6 +29,26 @@ fn defaults_are_the_papers_for_its_tables_and_else_those_of_solve() {
 }
 
 #[test]
+fn lists_of_rules_and_r_are_vary_written_short() {
+    let method = format!("{GOOD}solver = \"arrow-hurwicz\"\n");
+    let lists = "stop = [\"signed\", \"printed\"]\nr = [1, 10]\n";
+    let vary = "vary = { stop = [\"signed\", \"printed\"], r = [1, 10] }\n";
+    let [short, long] =
+        [lists, vary].map(|lines| Scene::parse("s", &format!("{method}{lines}")).unwrap());
+    assert_eq!((short.is_study, long.is_study), (false, true));
+    assert_eq!(short.study, long.study);
+    assert_eq!(short.drawn(Some(StopRule::Printed)), &short.study.members[3]);
+    for list in ["r = []\n", "stop = []\n"] {
+        for vary in ["", "vary = { friction = [1, 2] }\n"] {
+            assert!(
+                error(&format!("{method}{list}{vary}")).contains("must not be empty"),
+                "{list}"
+            );
+        }
+    }
+}
+
+#[test]
 fn tasks_read_back_the_scene_that_was_hashed() {
     let method = "solver = \"uzawa\"\nr = [1, 0.1, 1e12]\ndraw_r = 0.1\nstop = [\"printed\", \"signed\"]\n\
         max_iterations = 7\nprolongation = \"rising-diagonal\"\nlaw = { friction = 0.3 }\n\
