@@ -11,6 +11,7 @@ use crate::pipeline::{Options, Plan, Progress, Summary, why};
 use crate::replication::comparison::{TableComparison, Tables};
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
+use crate::replication::stages::remarks::remarks;
 use crate::replication::stages::report::stand_ins::stand_ins;
 use crate::replication::stages::{Stage, report, scene_of, solve};
 use clap::{Args, ValueEnum};
@@ -278,7 +279,7 @@ impl RunArgs {
             };
             for scene in workplace.project.select(scenes)? {
                 if !is_as_published(scene) {
-                    let lines = solve::remarks(scene, |task| numbers_of(workplace, summary, task));
+                    let lines = remarks(scene, |task| numbers_of(workplace, summary, task));
                     lines.iter().for_each(|line| talk(line));
                 }
             }

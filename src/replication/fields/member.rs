@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 use signorini_mathematics::problem::text::Written;
 use signorini_mathematics::saddle::StopRule;
+use signorini_mathematics::solvers::SaddleSettings;
 use signorini_mathematics::statement::{Fineness, Statement};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -57,6 +58,12 @@ impl Member {
     pub(crate) fn value(&self, name: &str) -> Option<Varying> {
         let number = self.numbers.get(name).copied().map(Varying::Number);
         number.or_else(|| field(name)?.varying(&self.statement))
+    }
+
+    /// Settings of a saddle-point method that tables and pictures show: its rule and r, with all else as usual.
+    pub(crate) fn rule_and_r(&self) -> Option<SaddleSettings> {
+        let SaddleSettings { stop, r, .. } = self.statement.saddle?;
+        Some(SaddleSettings { stop, r, ..SaddleSettings::default() })
     }
 
     /// Returns the member with options in place of fields that do not vary.

@@ -113,7 +113,7 @@ fn expanded(statement: &Statement, r: &[f64], stop: &[StopRule]) -> Reading<Stud
     let Some(drawn) = statement.saddle else { return Ok(Study::of(&[], vec![of(None).into()])) };
     for (field, is_empty) in [("r", r.is_empty()), ("stop", stop.is_empty())] {
         if is_empty {
-            let text = format!("`{field}` must not be empty; e.g. r = [10], stop = [\"signed\"]");
+            let text = "`r` and `stop` must not be empty; e.g. r = [10], stop = [\"signed\"]";
             return Err(Refused::new(field, text));
         }
     }

@@ -4,7 +4,7 @@ mod book;
 
 use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY};
-use super::{from_json, sharing, study};
+use super::{from_json, members, sharing, study};
 use crate::figures::{
     ContactPanel, DrawnSolution, HistoryCurve, HistoryPanel, IdentifiabilityPanel, Picture,
     SolutionMap, contact, histories, identifiability, map_of_f, maps_of_f, surfaces,
@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::identify::Findings;
 use signorini_mathematics::problem::text::percent;
-use signorini_mathematics::solvers::{SaddleSettings, true_solution};
+use signorini_mathematics::solvers::true_solution;
 
 /// Kind of figure.
 pub(super) struct Kind {
@@ -146,10 +146,10 @@ fn shown(kind: Output, scene: &Scene) -> Scene {
         (kind == Output::History || member.r().is_none_or(|r| r == drawn.r))
             && (kind == Output::Contact || member.rule().is_none_or(|rule| rule == drawn.stop))
     });
-    let statements = members.iter_mut().map(|member| &mut member.statement);
-    for saddle in statements.chain([&mut shown.statement]).filter_map(|of| of.saddle.as_mut()) {
-        *saddle = SaddleSettings { r: saddle.r, stop: saddle.stop, ..SaddleSettings::default() };
+    for member in members {
+        member.statement.saddle = member.rule_and_r();
     }
+    shown.statement.saddle = scene.drawn(scene.first_rule()).rule_and_r();
     shown
 }
 
@@ -159,14 +159,14 @@ fn needs(output: Output, scene: &Scene) -> Vec<String> {
         Output::Surface | Output::Map => vec![surface(scene)],
         Output::History => {
             let members = scene.under(scene.first_rule());
-            members.map(|member| solve::id_of(scene, member)).collect()
+            members.map(|member| members::id_of(scene, member)).collect()
         }
         Output::Contact => {
             let drawn = scene.rules().into_iter().map(|rule| scene.drawn(rule));
-            drawn.map(|member| solve::id_of(scene, member)).collect()
+            drawn.map(|member| members::id_of(scene, member)).collect()
         }
         Output::Identify => vec![identify::id(scene)],
-        Output::Chart => solve::ids(scene).collect(),
+        Output::Chart => members::ids(scene).collect(),
         Output::Source | Output::Table => Vec::new(),
     }
 }
@@ -226,7 +226,7 @@ pub(super) fn id(name: &str) -> String {
 
 /// The task whose pair is drawn as a surface.
 fn surface(scene: &Scene) -> String {
-    solve::id_of(scene, scene.drawn(scene.first_rule()))
+    members::id_of(scene, scene.drawn(scene.first_rule()))
 }
 
 fn draw(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
@@ -341,7 +341,7 @@ fn history<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<HistoryPanel<'a>, St
     let mut runs = Vec::new();
     let drawn = scene.drawn(scene.first_rule());
     for (member, r) in scene.under(scene.first_rule()).zip(scene.r()) {
-        let levels = from_json(inputs, &solve::id_of(scene, member), HISTORY)?;
+        let levels = from_json(inputs, &members::id_of(scene, member), HISTORY)?;
         let is_drawn = member == drawn;
         runs.push(HistoryCurve { label: format!("r = {r}"), is_drawn, levels });
     }

@@ -7,6 +7,8 @@ mod cost;
 pub(crate) mod diff;
 mod figures;
 mod identify;
+mod members;
+pub(crate) mod remarks;
 pub(crate) mod report;
 mod results;
 mod solutions;

@@ -1,37 +1,16 @@
 //! The table of a study, and its chart.
 
-use super::solve::{self, NUMBERS};
+use super::members::{id_in_study, ids};
+use super::solve::NUMBERS;
 use super::{from_json, tabulate};
 use crate::figures::{Chart, Curve, Picture, Scale, Stroke, axes_alone, charts};
-use crate::pipeline::{Inputs, Made, Task, hash};
+use crate::pipeline::{Inputs, Made, Task};
 use crate::replication::fields::member::Member;
 use crate::replication::numbers::Numbers;
 use crate::replication::scene::Scene;
 use crate::replication::study::{Axes, Study, of_axis};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-
-/// Most bytes of the names and values in the id of a task, which names files.
-const MOST_BYTES: usize = 120;
-
-/// Id of the task of a member: with its values, so that it stays when others are added, and no other member has it.
-pub(super) fn id(scene: &str, study: &Study, member: &Member) -> String {
-    let mut pairs = Vec::new();
-    for (name, value) in study.names.iter().zip(study.values(member)) {
-        // A digest begins with what no other name has.
-        let shown =
-            value.file_name().unwrap_or_else(|| format!("~{}", digest(&json!(value).to_string())));
-        pairs.push(format!("{name}={shown}"));
-    }
-    let pairs = pairs.join(",");
-    let pairs = if pairs.len() <= MOST_BYTES { pairs } else { digest(&pairs) };
-    format!("solve/{scene}/{pairs}")
-}
-
-/// Returns some digits of the hash of a text.
-fn digest(text: &str) -> String {
-    hash(text.as_bytes())[..16].to_owned()
-}
 
 /// Study of a scene with this name.
 #[derive(Serialize, Deserialize)]
@@ -48,7 +27,7 @@ impl StudyTable {
     pub(super) fn task(scene: &Scene) -> Task {
         let study = Study { chart: None, ..scene.study.clone() };
         let tabulated = Self { name: scene.name.clone(), study };
-        let needs = solve::ids(scene).collect();
+        let needs = ids(scene).collect();
         Task::new(tabulate::id(scene), &tabulated, needs, Self::made).exported_to(tabulate::FOLDER)
     }
 
@@ -77,7 +56,7 @@ impl StudyTable {
 /// Returns the numbers of all members of the study of a scene.
 fn all_numbers(inputs: &Inputs, scene: &str, study: &Study) -> Result<Vec<Numbers>, String> {
     let members = study.members.iter();
-    members.map(|member| from_json(inputs, &id(scene, study, member), NUMBERS)).collect()
+    members.map(|member| from_json(inputs, &id_in_study(scene, study, member), NUMBERS)).collect()
 }
 
 /// Returns the rows of the study of a scene, as [`Study::rows`].
@@ -92,7 +71,7 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
     let mut curves: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
     // Reason of the first member without a solution, and number of those with one that are not on the axes.
     let (mut reason, mut left_out) = (None, 0);
-    for (member, task) in study.members.iter().zip(solve::ids(scene)) {
+    for (member, task) in study.members.iter().zip(ids(scene)) {
         let numbers: Numbers = from_json(inputs, &task, NUMBERS)?;
         let label = axes.label(study, member);
         let place = curves.iter().position(|(known, _)| *known == label);

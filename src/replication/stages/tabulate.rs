@@ -1,7 +1,7 @@
 //! The `tabulate` stage: the cells of one scene as a table, for each stopping rule in the layout of the paper.
 
-use super::from_json;
-use super::solve::{self, NUMBERS};
+use super::solve::NUMBERS;
+use super::{from_json, members};
 use crate::pipeline::{Artifacts, Inputs, Made, Task};
 use crate::replication::columns::shown;
 use crate::replication::comparison::Row;
@@ -126,14 +126,14 @@ struct Tabulated {
 #[derive(Serialize, Deserialize)]
 pub(super) struct SolveOfRun {
     pub(super) task: String,
-    /// Settings of a saddle-point method; none of other solvers.
+    /// Rule and r of a saddle-point method; none of other solvers.
     pub(super) saddle: Option<SaddleSettings>,
 }
 
 impl SolveOfRun {
     /// Solve of a member of a scene.
     pub(super) fn of(scene: &Scene, member: &Member) -> Self {
-        Self { task: solve::id_of(scene, member), saddle: member.statement.saddle }
+        Self { task: members::id_of(scene, member), saddle: member.rule_and_r() }
     }
 
     /// Solves of a scene, in the order of the rows.
