@@ -90,21 +90,6 @@ fn files_have_the_local_error_and_a_picture_the_mesh() {
 }
 
 #[test]
-fn what_cannot_be_adapted_is_refused_in_one_line() {
-    let project = Project::with(TABLE);
-    for (options, words) in [
-        (&["--domain", "ball", "--accuracy", "0.1"][..], "is for domains in the plane"),
-        (&["--domain", "cube", "--accuracy-energy", "0.1"], "is for domains in the plane"),
-        (&["--domain", "disc", "--refine", "2", "--accuracy", "0.1"], "both say how fine"),
-        (&["--domain", "disc", "--accuracy", "2"], "must be between 0 and 1"),
-        (&["--domain", "disc", "--accuracy", "0.1", "--solver", "uzawa"], "multigrid"),
-    ] {
-        let said = project.run(&[&["solve", "--f", "else=-1"][..], options].concat());
-        assert!(said.refusal().contains(words), "{words}: {said:?}");
-    }
-}
-
-#[test]
 fn a_scene_on_a_mesh_may_ask_for_an_accuracy() {
     let scene = format!("title = \"L\"\ndomain = \"lshape\"\nf = \"{F}\"\naccuracy = 0.1\n");
     let outputs = "outputs = [\"table\", \"source\", \"map\", \"contact\"]\n";

@@ -4,8 +4,6 @@ use crate::common::{Project, TABLE, number};
 use serde_json::Value;
 
 const SOURCE: &str = "rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5";
-const GEAR: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/meshes/gear.msh");
-
 /// Text and JSON of the same answer.
 fn answer(args: &[&str]) -> (String, Value) {
     let project = Project::with(TABLE);
@@ -88,88 +86,6 @@ fn the_error_of_the_recovered_solution_is_told_with_it() {
 }
 
 #[test]
-fn arcs_have_the_names_of_their_parts_and_a_direction_where_there_are_any() {
-    let hole = ["--domain", GEAR, "--f", "else=-1", "--refine", "3"];
-    let (text, json) = answer(&[&hole[..], &["--free", "hole"]].concat());
-    assert!(text.contains("contact everywhere on teeth, force "), "{text}");
-    assert!(text.contains("\nsolver multigrid, refined 3 times\n"), "{text}");
-    assert!(
-        !text.contains("anticlockwise") && !text.contains("on the left"),
-        "no end of an arc: {text}"
-    );
-    let arcs = json["contact"].as_array().unwrap();
-    assert!(arcs.len() == 1 && arcs[0]["part"] == "teeth" && arcs[0]["closed"] == true, "{json}");
-    let (text, json) = answer(&hole);
-    let parts: Vec<_> =
-        json["contact"].as_array().unwrap().iter().map(|arc| &arc["part"]).collect();
-    assert_eq!(parts, ["hole", "teeth"], "{text}");
-
-    let pushed = ["--domain", GEAR, "--f", "disc(0.5,0.5,0.3)=3; else=-1", "--free", "hole"];
-    let (text, json) = answer(&pushed);
-    assert!(
-        text.contains(" boundary nodes; arcs with the domain on the left\ncontact from ("),
-        "{text}"
-    );
-    let arcs = json["contact"].as_array().unwrap();
-    assert!(
-        !arcs.is_empty() && arcs.iter().all(|arc| arc["part"] == "teeth" && arc["closed"] == false),
-        "{json}"
-    );
-
-    let (text, json) = answer(&["--f", SOURCE, "--h", "1/16"]);
-    assert!(text.contains(" of 64 boundary nodes; arcs anticlockwise\ncontact from ("), "{text}");
-    assert!(
-        json["contact"][0]["part"].is_null() && json["contact"][0]["closed"] == false,
-        "{json}"
-    );
-    let (text, json) = answer(&["--f", "else=-1", "--h", "1/16"]);
-    assert!(text.contains(" of 64 boundary nodes\ncontact everywhere, force 1.00000\n"), "{text}");
-    assert_eq!(json["contact"][0]["closed"], true);
-    // In space there are no arcs, but parts.
-    let (text, json) = answer(&["--domain", "ball", "--f", "else=-1", "--refine", "1"]);
-    assert!(text.contains(" boundary nodes\ncontact force "), "{text}");
-    assert!(json["contact"].is_null() && !text.contains("anticlockwise"), "{text}");
-    let notch = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/meshes/notch.msh");
-    let (text, _) =
-        answer(&["--domain", notch, "--f", "else=-1", "--refine", "0", "--free", "notch"]);
-    assert!(text.contains(" boundary nodes, on walls\ncontact force "), "{text}");
-    // Without more words, an answer on the cube has a bound.
-    let (text, _) = answer(&["--domain", "cube", "--f", "ball(0,0,0,0.25)=2; else=-1"]);
-    assert!(text.contains("guaranteed: true energy in ["), "{text}");
-}
-
-#[test]
-fn advice_is_one_line_that_mends_all() {
-    let project = Project::with(
-        "title = \"t\"\nf = \"quadrant(ll)=-6; else=1.998\"\ngrids = [4, 8, 16, 32, 64]\n\
-         solver = \"arrow-hurwicz\"\nr = [10]\nload = { rule = \
-         \"nodal\" }\nstop = [\"signed\"]\noutputs = [\"table\"]\n",
-    );
-    let text = project.run(&["solve", "a"]);
-    let lines = text.lines();
-    let warnings = lines.iter().filter(|line| line.starts_with("warning: ")).count();
-    assert!(warnings >= 3 && !text.out.contains("; use") && !text.out.contains("try"), "{text:?}");
-    let remedy = lines.last().unwrap().strip_prefix("remedy for all: use ").unwrap();
-    assert_eq!(remedy, "--load exact --solver multigrid");
-    let mended: Vec<_> = ["solve", "a"].into_iter().chain(remedy.split(' ')).collect();
-    let mended = project.run(&mended);
-    assert!(!mended.out.contains("warning") && mended.code == Some(0), "{mended:?}");
-    // In JSON the sentences are those of the text, and the remedy is the one of its last line.
-    let json = project.run(&["solve", "a", "--json"]).json();
-    let sentences: Vec<_> =
-        lines.iter().filter_map(|line| line.strip_prefix("warning: ")).collect();
-    assert_eq!(json["warnings"], serde_json::json!(sentences));
-    assert_eq!(
-        (&json["remedy"], &json["failure"]),
-        (&"use --load exact --solver multigrid".into(), &Value::Null)
-    );
-    // What is no solution has a remedy as complete.
-    let failed = project.run(&["solve", "a", "--r", "1"]);
-    assert!(failed.out.contains("not a solution"), "{failed:?}");
-    assert!(failed.err.ends_with("; use --load exact --solver multigrid\n"), "{failed:?}");
-}
-
-#[test]
 fn json_has_the_reason_and_the_remedy_of_each_failure() {
     let project = Project::with(TABLE);
     let corner = "quadrant(ll)=3; else=-1.1";
@@ -195,35 +111,6 @@ fn json_has_the_reason_and_the_remedy_of_each_failure() {
     assert_eq!(text.lines().last(), Some(&*format!("warning: {fact}; {remedy}")));
     let well = project.run(&["solve", "--f", "else=-1", "--json"]).json();
     assert_eq!((&well["failure"], &well["remedy"]), (&Value::Null, &Value::Null));
-}
-
-#[test]
-fn commands_with_a_mistake_are_recognised_whatever_options_follow() {
-    let project = Project::with(TABLE);
-    for (args, command) in
-        [(&["solv", "--f", "else=-1"][..], "solve"), (&["statsu", "--exit-code"], "status")]
-    {
-        let said = project.run(args);
-        let word = args.iter().find(|word| !word.starts_with('-')).unwrap();
-        let expected = format!("error: no command `{word}`; did you mean `signorini {command}`?");
-        assert_eq!(said.refusal(), expected);
-    }
-    let said = project.run(&["nothing-like-it", "--f", "else=-1"]);
-    assert!(said.code == Some(2) && !said.err.contains("--force"), "{said:?}");
-    assert_eq!(project.run(&["list", "--json"]).json()["schema"], 1);
-}
-
-#[test]
-fn a_fixed_part_is_said_to_carry_what_the_contact_does_not() {
-    let said = "\nfixed parts carry the difference\n";
-    let f = ["--domain", "annulus", "--refine", "2", "--f", "else=-1"];
-    let (text, json) = answer(&[&f[..], &["--fixed", "inner"]].concat());
-    let forces = numbers(&text, "contact force ");
-    assert!(text.contains(said) && forces[0] < 0.9 * forces[1], "{text}");
-    assert!(near(forces[0], &json["force"]));
-    for free in [&f[..], &[&f[..], &["--free", "inner"]].concat()] {
-        assert!(!answer(free).0.contains(said));
-    }
 }
 
 #[test]

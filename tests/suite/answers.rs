@@ -1,6 +1,6 @@
 //! Answers that say what they are worth, and inputs that are refused before any work is done.
 
-use crate::common::{PAPER, Project, Said, TABLE, interrupt};
+use crate::common::{Project, Said, TABLE, interrupt};
 use serde_json::Value;
 use std::fs;
 use std::io::Read;
@@ -45,31 +45,6 @@ fn a_scene_is_obeyed_and_what_overrides_it_is_announced() {
         printed-dual";
     assert!(text.contains(line), "{text}");
     assert!(text.contains("\n1/16 ") && !text.contains("\n 1/8 "), "the scene's coarsest: {text}");
-}
-
-#[test]
-fn grids_without_coarser_ones_say_so() {
-    let project = Project::with(TABLE);
-    for solver in ["arrow-hurwicz", "uzawa", "uzawa-proximal"] {
-        let args = [
-            "solve",
-            "--f",
-            "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1",
-            "--h",
-            "1/101",
-            "--solver",
-            solver,
-        ];
-        let text = project.run(&args);
-        assert!(text.out.contains("warning: grid 1/101 has no coarser ones"), "{text:?}");
-        let said = project.run(&[&args[..], &["--json"]].concat());
-        assert!(said.json()["warnings"][0].as_str().unwrap().contains("1/101"), "{said:?}");
-        if solver == "arrow-hurwicz" {
-            assert_eq!(refused(&said)["stop"], "not-solved");
-        }
-    }
-    let json = project.run(&["solve", "--f", "else=-1", "--h", "64", "--json"]).json();
-    assert_eq!((&json["h"], &json["warnings"]), (&(1.0 / 64.0).into(), &Value::Array(Vec::new())));
 }
 
 #[test]
@@ -121,34 +96,6 @@ fn what_is_to_be_known_of_an_answer_is_in_its_json_too() {
             if solver == "spectral" { [&args[..2], &args[4..]].concat() } else { args.clone() };
         let said = "disc(2,2,1) of f lies outside [-0.5,0.5] and changes nothing";
         assert_eq!(solve(&args)[0], said);
-    }
-}
-
-#[test]
-fn remedies_are_not_what_has_been_tried() {
-    let project = Project::with(TABLE);
-    for (h, rule, remedy) in [
-        ("1/7", "printed", "; use --stop printed-dual, or --solver multigrid\n"),
-        // That the first grid is fine has a remedy too, and one mends both.
-        ("1/101", "printed", "; use --solver multigrid\n"),
-        ("1/101", "printed-dual", "; use --solver multigrid\n"),
-    ] {
-        let said = project.run(&["solve", "--f", CORNER, "--h", h, "--stop", rule]);
-        assert!(said.code == Some(3) && said.err.ends_with(remedy), "{said:?}");
-    }
-}
-
-#[test]
-fn a_load_without_a_solution_is_refused_alike_whatever_the_solver() {
-    let project = Project::with(TABLE);
-    // Positive at one node only, where f is not so much as that of the node.
-    let f = "rect(-0.06,0.06,-0.06,0.06)=60; else=-1";
-    for solver in ["arrow-hurwicz", "uzawa", "uzawa-proximal", "multigrid", "active-set"] {
-        let args = ["solve", "--f", f, "--load", "nodal", "--h", "1/4", "--solver", solver];
-        let said = project.run(&args);
-        let why = "error: square: the load vector sums to +2.812 on grid 1/4, where the discrete problem has no \
-            solution; use --load exact, another --h, or a lower f\n";
-        assert_eq!((said.code, said.err.as_str()), (Some(3), why), "{solver}");
     }
 }
 
@@ -318,20 +265,6 @@ fn sizes_that_cannot_fit_are_refused_with_what_would() {
 }
 
 #[test]
-fn threads_beyond_reason_are_capped_and_said() {
-    let project = Project::with(TABLE);
-    let mut command = project.command(&["run", "-j", "100000"]);
-    let said = Said::from(command.env("RAYON_NUM_THREADS", "100000").output().unwrap());
-    assert_eq!(said.code, Some(0), "{said:?}");
-    for option in ["-j", "RAYON_NUM_THREADS"] {
-        assert!(
-            said.err.contains(&format!("note: {option} 100000 is more than helps")),
-            "{said:?}"
-        );
-    }
-}
-
-#[test]
 fn the_first_interrupt_answers_and_the_second_ends_at_once() {
     // One cell that would take weeks: from far away, in steps of almost nothing.
     let text = TABLE.replace("else=-1", "else=-1e9").replace("[4, 8]", "[64]");
@@ -374,46 +307,6 @@ fn wait_for(words: &str, reader: &mut impl Read) -> Option<()> {
 }
 
 #[test]
-fn a_count_that_was_cut_off_is_no_match() {
-    let scene = "title = \"t\"\npaper_table = 1\nf = \"quadrant(ll)=3; else=-1.002\"\ngrids = [4, 8, 16]\nr = [10]\n\
-        stop = [\"signed\"]\nmax_iterations = 1\noutputs = [\"table\"]\n";
-    let project = Project::with(scene);
-    let paper = "r = [10]\n[[table]]\nnumber = 1\ncounts = [[1, 1, 1]]\ndelta_a = [1e-4]\ncount_share = 0.0\n\
-        count_slack = 0\ndelta_a_factor = 1000.0\n";
-    project.write("pipeline/paper.toml", paper);
-    let said = project.run(&["diff"]);
-    assert_eq!(said.code, Some(1), "{said:?}");
-    assert!(said.out.contains("1 of 3 counts exact, 1 within tolerance"), "{said:?}");
-    assert!(said.out.contains("  1>   1  ") && said.out.contains("> cut off"), "{said:?}");
-    let json = project.run(&["diff", "--json"]).json();
-    let row = &json["tables"][0]["rows"][0];
-    assert_eq!(row["capped"], serde_json::json!([false, true, true]));
-    assert_eq!(row["within"], serde_json::json!([true, false, false]));
-}
-
-#[test]
-fn published_values_that_are_no_numbers_are_refused() {
-    let project = Project::with(&(TABLE.to_owned() + "paper_table = 1\n"));
-    for (from, to, remedy) in [
-        ("delta_a = [1e-4", "delta_a = [nan", "delta_a"),
-        ("delta_a = [1e-4", "delta_a = [0.0", "delta_a"),
-        ("delta_a_factor = 1e30", "delta_a_factor = inf", "delta_a_factor"),
-        ("delta_a_factor = 1e30", "delta_a_factor = 0.5", "delta_a_factor"),
-        ("count_share = 0.1", "count_share = nan", "count_share"),
-        ("counts = [[1, 2], [1, 100000]]", "counts = [[], []]", "table 1"),
-        ("r = [10.0, 1.0]", "r = []", "`r` must list positive numbers"),
-        ("r = [10.0", "r = [inf", "`r` must list positive numbers"),
-    ] {
-        project.write("pipeline/paper.toml", PAPER.replace(from, to));
-        for command in ["run", "diff"] {
-            let said = project.run(&[command]);
-            let line = said.refusal();
-            assert!(line.contains("pipeline/paper.toml") && line.contains(remedy), "{line}");
-        }
-    }
-}
-
-#[test]
 fn a_certificate_is_written_to_a_new_or_an_empty_folder_as_a_whole() {
     let project = Project::with(&(TABLE.to_owned() + "paper_table = 1\n"));
     project.run(&["run"]).lines();
@@ -443,28 +336,4 @@ fn a_certificate_is_written_to_a_new_or_an_empty_folder_as_a_whole() {
     let left = fs::read_dir(project.path(".")).unwrap().flatten();
     let names = left.map(|entry| entry.file_name().to_string_lossy().into_owned());
     assert_eq!(names.filter(|name| name.ends_with(".tmp")).count(), 0);
-}
-
-#[test]
-fn remedies_lead_out_of_the_trouble() {
-    let project = Project::with(&TABLE.replace("[\"table\"]", "[\"table\", \"source\"]"));
-    // A record of times that cannot be read: the remedy is to move it away, and works.
-    project.write("pipeline/timings.toml", "x");
-    let said = project.run(&["bench", "--record"]);
-    assert!(said.refusal().contains("move the file away"), "{said:?}");
-    // No pages to open, and then no program that opens them.
-    let said = project.run(&["report"]);
-    assert!(said.refusal().contains("the project has no pages; they need"), "{said:?}");
-    project.write("report/book.toml", "");
-    fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
-    project.write("report/templates/one.md", "# One\n");
-    let said = project.run(&["run"]);
-    assert!(said.refusal().contains("move the file away"), "{said:?}");
-    fs::rename(project.path("pipeline/timings.toml"), project.path("away")).unwrap();
-    project.run(&["run"]).lines();
-    let mut command = project.command(&["report", "--open"]);
-    let said = Said::from(command.env("PATH", "/nonexistent").output().unwrap());
-    assert!(said.code == Some(2) && said.err.contains("cannot be started"), "{said:?}");
-    assert!(said.err.contains("by hand"), "{said:?}");
 }

@@ -376,29 +376,6 @@ fn the_table_of_a_solver_without_rules_has_its_bounds() {
 }
 
 #[test]
-fn a_nodal_load_with_jumps_on_grid_lines_is_told() {
-    let plate =
-        "title = \"t\"\nf = \"rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5\"\noutputs = [\"table\"]\n";
-    let nodal = "load = { rule = \"nodal\" }\n";
-    let told = "f jumps on grid lines, where the nodal load takes it from one side: that moves the jumps by half a cell, \
-        4.0 % of the integral of |f|; ";
-    let project = Project::with(&format!("{plate}{nodal}"));
-    let said = project.run(&["run"]);
-    let remedy = "load = { rule = \"bilinear\" } does not\n";
-    assert!(said.err.contains(&format!("warning: scene `a`: {told}{remedy}")), "{said:?}");
-    let said = project.run(&["solve", "a"]);
-    assert!(said.out.contains(&format!("warning: {told}use --load bilinear\n")), "{said:?}");
-    let beside = plate.replace("0.25", "0.26");
-    for text in [plate.to_owned(), beside + nodal, format!("{plate}{nodal}paper_table = 1\n")] {
-        project.scene("a", &text);
-        let said = project.run(&["run"]);
-        assert!(!said.err.contains("grid lines"), "{text}: {said:?}");
-        let said = project.run(&["solve", "a"]);
-        assert!(!said.out.contains("grid lines"), "{text}: {said:?}");
-    }
-}
-
-#[test]
 fn a_name_alone_is_a_domain() {
     let project = project();
     for (name, kind) in [("disc", "rect"), ("meshes/gear.msh", "rect"), ("cube", "box")] {
@@ -430,60 +407,6 @@ fn an_edited_mesh_makes_its_scene_alone_anew() {
     assert!(said.out.contains("file pipeline/meshes/gear.msh: "), "{said:?}");
     project.run(&["run"]).lines();
     project.run(&["run"]).nothing_to_do();
-}
-
-#[test]
-fn what_does_not_go_with_a_domain_is_refused_in_one_line() {
-    let project = Project::with(TABLE);
-    for (from, to, words) in [
-        ("r = [10, 1]", "r = [10]\ngrids = [4, 8]", "`grids` is for the square"),
-        ("r = [10, 1]", "r = [10]\nload = { rule = \"exact\" }", "`load` is for the square"),
-        ("r = [10, 1]", "r = [10]\nprolongation = \"bilinear\"", "`prolongation` is for"),
-        ("r = [10, 1]", "r = [10]\npaper_table = 1", "`paper_table` is for the square"),
-        ("r = [10, 1]", "r = [10]\nhuh = 1", "unknown field `huh`"),
-        ("\"source\"", "\"history\"", "`history` is for the square"),
-        ("\"source\"", "\"identify\"", "`identify` is for the square"),
-        ("refine = 3", "refines = 3", "unknown field `refines`"),
-        ("refine = 3", "refine = 19", "more than is sensible"),
-        ("refine = 3", "free = [\"hole\"]", "free hole: the mesh has no part `hole`"),
-        ("refine = 3", "fixed = [\"hole\"]", "fixed hole: the mesh has no part"),
-        ("refine = 3", "curve = { rim = [0, 0] }", "curve rim: "),
-        ("name = \"disc\"", "name = \"x.msh\"", "there is no pipeline/x.msh"),
-        ("name = \"disc\", ", "", "missing field `name`"),
-        (
-            "name = \"disc\"",
-            "name = \"gear\"",
-            "there is no pipeline/gear; put the mesh there, or name one of the domains square, cube",
-        ),
-        ("name = \"disc\"", "name = \"../x.msh\"", "name a file below pipeline/"),
-        ("name = \"disc\"", "name = \"./scenes/a.toml\"", "by its shortest path"),
-        ("name = \"disc\"", "name = \"scenes//a.toml\"", "by its shortest path"),
-        ("name = \"disc\"", "name = \"scenes/./a.toml\"", "by its shortest path"),
-        ("name = \"disc\"", "name = \"scenes/../scenes/a.toml\"", "by its shortest path"),
-        ("name = \"disc\"", "name = \"scenes/a.toml/\"", "by its shortest path"),
-        ("name = \"disc\"", "name = \"scenes/a.toml\"", "does not begin with $MeshFormat"),
-        ("{ name = \"disc\", refine = 3 }", "3", "a table such as { name = \"disc\""),
-        ("else=1", "else=7", "can only balance a negative one"),
-        ("else=1", "els=1", "cannot read `els=1`"),
-        ("r = [10, 1]", "r = []", "`r` and `stop` must not be empty"),
-        (
-            "solver = \"arrow-hurwicz\"\n",
-            "",
-            "`r` is for the saddle-point methods, not for multigrid",
-        ),
-        ("arrow-hurwicz", "spectral", "`r` is for the saddle-point methods, not for spectral"),
-        ("r = [10, 1]", "r = [10]\naccuracy = 0.1", "is for multigrid, not for arrow-hurwicz"),
-        ("name = \"disc\"", "name = \"ball\"", "cannot read `rect("),
-    ] {
-        assert!(DISC.contains(from), "{from}");
-        project.scene("a", &DISC.replace(from, to));
-        let said = project.run(&["run"]);
-        assert!(said.refusal().contains(words), "{words}: {said:?}");
-        assert!(said.err.contains("scene `a`: "), "{said:?}");
-    }
-    project.scene("a", &BALL.replace("[\"table\"]", "[\"surface\"]"));
-    let said = project.run(&["run"]);
-    assert!(said.refusal().contains("signorini solve a --out a.vtu"), "{said:?}");
 }
 
 #[test]

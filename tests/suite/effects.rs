@@ -78,96 +78,6 @@ fn a_comparison_writes_to_the_cache_alone() {
 }
 
 #[test]
-fn mistakes_in_files_that_a_scene_does_not_read_do_not_stop_it() {
-    let project = with_pages(TABLE);
-    project.scene("b", TABLE);
-    project.run(&["run"]).lines();
-    project.write("pipeline/paper.toml", "x = [");
-    project.write("pipeline/timings.toml", "x = [");
-    project.write("report/book.toml", "x = [");
-    std::os::unix::fs::symlink("..", project.path("report/templates/loop")).unwrap();
-    std::os::unix::fs::symlink("nowhere", project.path("pipeline/truth.toml")).unwrap();
-    for args in [&["run", "a"][..], &["run", "a", "-n"], &["status", "a"]] {
-        assert_eq!(project.run(args).code, Some(0), "{args:?}");
-    }
-    project.scene("a", &TABLE.replace("else=-1", "else=-2"));
-    project.run(&["run", "a", "-n"]).lines();
-    project.run(&["run", "a"]).lines();
-    for args in [&["run"][..], &["run", "-n"], &["status"], &["run", "a", "b"]] {
-        project.run(args).refusal();
-    }
-}
-
-#[test]
-fn the_dry_run_refuses_what_the_run_refuses_and_nothing_else() {
-    let project = with_pages(&wanting(EVERYTHING));
-    project.scene("b", TABLE);
-    project.write("pipeline/timings.toml", "");
-    let alike = |args: &[&str]| {
-        let dry = project.run(&[args, &["-n"]].concat());
-        let said = project.run(args);
-        assert_eq!(dry.code, said.code, "{args:?}: {dry:?} {said:?}");
-        if said.code == Some(2) {
-            assert_eq!(dry.refusal(), said.refusal());
-        }
-        said.code
-    };
-    project.write("pipeline/timings.toml", "x = [");
-    assert_eq!(alike(&["run"]), Some(2), "the book shows the record");
-    assert_eq!(alike(&["run", "--only", "figures"]), Some(0), "the figures do not");
-    fs::remove_file(project.path("pipeline/timings.toml")).unwrap();
-    assert_eq!(alike(&["run"]), Some(0));
-    // A mistake that no task would read.
-    project.write("report/book.toml", "src = \"elsewhere\"\n");
-    assert_eq!(alike(&["run", "b"]), Some(0));
-    assert_eq!(alike(&["run"]), Some(2));
-    project.write("report/book.toml", "title = \"Mine\"\n");
-    project.write("figures/a-source.svg", "<svg>mine</svg>");
-    assert_eq!(alike(&["run"]), Some(2));
-    assert_eq!(alike(&["run", "b"]), Some(0));
-    assert_eq!(alike(&["run", "--force"]), Some(0));
-    project.scene("b", &TABLE.replace("else=-1", "else=1"));
-    assert_eq!(alike(&["run"]), Some(2));
-    assert_eq!(alike(&["run", "a"]), Some(0));
-    assert_eq!(alike(&["run", "-k"]), Some(3));
-}
-
-#[test]
-fn a_run_that_has_only_to_note_something_is_told_of() {
-    let project = Project::with(TABLE);
-    project.run(&["run"]).lines();
-    let file = project.path("pipeline/lock.toml");
-    let lock = fs::read_to_string(&file).unwrap();
-    let will_note = |line: &str| {
-        let status = project.run(&["status", "--exit-code"]);
-        assert_eq!(status.code, Some(1), "{status:?}");
-        assert!(status.out.contains(line), "{status:?}");
-        let json = project.run(&["status", "--json"]).json();
-        assert_eq!(json["stale"], true);
-        assert!(json["files"].to_string().contains(line), "{json}");
-        let dry = project.run(&["run", "-n"]);
-        assert!(dry.lines().contains(&line), "{dry:?}");
-        let said = project.run(&["run"]);
-        assert!(!said.lines()[0].starts_with("nothing"), "{said:?}");
-        project.run(&["run", "-n"]).nothing_to_do();
-        assert_eq!(project.run(&["status", "--exit-code"]).code, Some(0));
-        assert_eq!(fs::read_to_string(&file).unwrap(), lock);
-    };
-    project.scene("a", &TABLE.replace("else=-1", "else=-2"));
-    project.run(&["run", "a"]).lines();
-    project.scene("a", TABLE);
-    will_note("an older result is in use again");
-    fs::remove_file(&file).unwrap();
-    will_note("pipeline/lock.toml is missing or old");
-    // As a crash, and as a merge leaves it.
-    project.write("pipeline/lock.toml", "");
-    will_note("pipeline/lock.toml is missing or old");
-    let line = lock.lines().find(|line| line.contains("tabulate/a")).unwrap();
-    project.write("pipeline/lock.toml", lock.replace(line, ""));
-    will_note("pipeline/lock.toml is missing or old");
-}
-
-#[test]
 fn what_a_run_would_find_is_no_garbage() {
     let project = with_pages(&wanting(EVERYTHING));
     project.run(&["run"]).lines();
@@ -203,43 +113,6 @@ fn what_a_run_would_find_is_no_garbage() {
 /// A scene on this domain whose flux cannot balance f.
 fn unsolvable(domain: &str) -> String {
     format!("title = \"Up\"\nf = \"else=1\"\n{domain}outputs = [\"table\"]\n")
-}
-
-#[test]
-fn a_scene_is_checked_when_it_is_to_run_and_not_before() {
-    let project = Project::with(TABLE);
-    project.scene("ball", &unsolvable("domain = { name = \"ball\", refine = 1 }\n"));
-    project.scene("formula", &unsolvable("").replace("else=1", "formula(1 + x)"));
-    project.scene("pieces", &unsolvable(""));
-    // None of these needs to know whether the others have a solution.
-    for args in [
-        &["list"][..],
-        &["status"],
-        &["explain", "solve"],
-        &["dag"],
-        &["gc", "-n"],
-        &["run", "a"],
-        &["run", "a", "-n"],
-        &["solve", "a", "--h", "8", "--solver", "multigrid"],
-    ] {
-        assert_eq!(project.run(args).code, Some(0), "{args:?}");
-    }
-    let before = project.times();
-    let said = project.run(&["run"]);
-    let refusal = said.refusal();
-    let ball = refusal.find("scene `ball`: ").unwrap();
-    assert!(refusal[ball..].contains("formula, pieces"), "all are named: {refusal}");
-    for scene in ["ball", "formula", "pieces"] {
-        for args in [&["run", scene][..], &["run", scene, "-n"], &["solve", scene]] {
-            assert!(
-                project.run(args).refusal().contains(&format!("scene `{scene}`: ")),
-                "{args:?}"
-            );
-        }
-        let task = format!("solve/{scene}");
-        assert!(project.run(&["run", "--task", &task]).refusal().contains(scene), "{task}");
-    }
-    assert_eq!(project.times(), before);
 }
 
 #[test]
@@ -333,48 +206,4 @@ fn refinement_ends_between_two_meshes() {
     assert!(said[0].starts_with("finishing what has begun"), "{said:?}");
     assert!(said[1].starts_with("ended early: solve/a"), "{said:?}");
     assert_eq!(project.stale().len(), 2);
-}
-
-#[test]
-fn a_limit_on_the_size_of_files_is_told_with_its_remedy() {
-    let project = Project::with(&wanting(EVERYTHING));
-    let mut command = std::process::Command::new("bash");
-    command.args(["-c", "ulimit -f 10; exec \"$0\" run", env!("CARGO_BIN_EXE_signorini")]);
-    let said = command.current_dir(project.path(".")).output().unwrap();
-    assert_eq!(said.status.code(), Some(2), "{said:?}");
-    assert!(String::from_utf8_lossy(&said.stderr).contains("`ulimit -f`"), "{said:?}");
-}
-
-#[test]
-fn mistakes_that_are_known_before_a_run_are_told_before_it() {
-    let project = Project::with(&published().replace("[4, 8]", "[4, 8, 16]"));
-    for args in [&["run"][..], &["run", "-n"], &["status"], &["diff"]] {
-        let said = project.run(args);
-        assert!(said.refusal().contains("scene `a`: table 1 is on 2 grids"), "{args:?}: {said:?}");
-    }
-    // One spelling for the name of a domain.
-    project.scene("a", &unsolvable("domain = { mesh = \"square\" }\n"));
-    let said = project.run(&["run"]);
-    assert!(said.refusal().contains("unknown field `mesh`, expected one of `name`"), "{said:?}");
-    std::os::unix::fs::symlink("b.toml", project.path("pipeline/scenes/b.toml")).unwrap();
-    let said = project.run(&["run", "b"]);
-    assert!(said.refusal().contains("it links to itself: remove the link"), "{said:?}");
-    // A folder of git, or of the results, is none for the cache.
-    fs::create_dir(project.path(".git")).unwrap();
-    for folder in [".git", "report/cache"] {
-        let said = project.run(&["status", "--cache-dir", folder]);
-        assert!(said.refusal().contains("the cache would lie in"), "{said:?}");
-    }
-}
-
-#[test]
-fn failures_of_tasks_name_the_remedy() {
-    let project = with_pages(TABLE);
-    fs::remove_dir_all(project.path("report/templates")).unwrap();
-    let said = project.run(&["run"]);
-    assert_eq!(said.code, Some(3), "{said:?}");
-    assert!(
-        said.err.contains("report/templates has no SUMMARY.md; list the pages there"),
-        "{said:?}"
-    );
 }

@@ -145,62 +145,6 @@ fn brackets_of_an_f_that_the_points_miss_are_left_out() {
 }
 
 #[test]
-fn solve_and_scenes_decide_alike_whether_a_curved_domain_has_a_solution() {
-    let project = Project::with(TABLE);
-    let f = "rect(0.44,0.84,-0.94,-0.64)=2.07; rect(-0.64,-0.24,0.44,0.74)=-3.11; else=-2.91";
-    let command = ["solve", "--domain", "disc", "--f", f];
-    let with = |more: &[&str]| project.run(&[&command[..], more].concat());
-    let [limit, accuracy] = ["--limit", "--accuracy-energy"];
-    let refused = with(&[limit, "1.42", accuracy, "0.2"]);
-    assert!(refused.refusal().contains("can only balance one between"), "{refused:?}");
-    let keys = "accuracy_energy = 0.2\noutputs = [\"table\"]\n";
-    let scene = |limit: &str| {
-        project.scene(
-            "b",
-            &format!("title=\"b\"\ndomain=\"disc\"\nf=\"{f}\"\nlaw={{limit={limit}}}\n{keys}"),
-        );
-        [&["solve", "b"][..], &["run", "b"]].map(|args| project.run(args))
-    };
-    for said in scene("1.42") {
-        assert!(said.refusal().contains("can only balance one between"), "{said:?}");
-    }
-    assert_eq!(with(&[limit, "1.43", accuracy, "0.2"]).code, Some(0));
-    for said in scene("1.43") {
-        assert_eq!(said.code, Some(0), "{said:?}");
-    }
-}
-
-#[test]
-fn where_the_curve_decides_otherwise_than_the_polygon_that_is_said() {
-    let project = Project::with(TABLE);
-    let warnings = |args: &[&str]| {
-        let json = project.run(&[&["solve", "--json"], args].concat()).json();
-        json["warnings"].to_string()
-    };
-    // Area over circumference is a half on the disc, less on its polygons; a third of the radius for the ball.
-    for (domain, limit, words) in [
-        (
-            "disc",
-            "0.995",
-            "the polygon of the mesh has a solution, the domain with its curves has none",
-        ),
-        ("ball", "0.66", "the polyhedron of the mesh has a solution"),
-    ] {
-        let solve = |limit| {
-            let refine = ["--refine", "1", "--f", "else=-2", "--limit", limit];
-            warnings(&[&["--domain", domain][..], &refine].concat())
-        };
-        assert!(solve(limit).contains(words), "{domain}: {}", solve(limit));
-        assert!(!solve("1.1").contains("has a solution"), "{domain}: {}", solve("1.1"));
-    }
-    // Between the polygon and the curve f is negative enough.
-    let command = ["solve", "--domain", "disc", "--f", "disc(0,0,0.86)=1; else=-4", "--refine"];
-    let coarse = project.run(&[&command[..], &["0"]].concat());
-    assert!(coarse.refusal().contains("or refine the mesh: with the curves"), "{coarse:?}");
-    assert_eq!(project.run(&[&command[..], &["4"]].concat()).code, Some(0));
-}
-
-#[test]
 fn integrals_beyond_the_range_are_refused_with_their_number() {
     let project = Project::with(TABLE);
     project.write("large.msh", square_of(1e30));

@@ -5,7 +5,6 @@ use crate::common::{
 };
 use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::os::unix::ffi::OsStrExt;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::{Duration, SystemTime};
@@ -63,71 +62,6 @@ fn every_damaged_file_of_the_cache_is_noticed_and_repaired() {
     let kinds = ["deleted", "truncated", "with a flipped bit", "emptied"];
     let counts = kinds.map(|kind| promised(&format!("File of the cache {kind}")));
     assert_eq!(counts, [repaired / 4; 4]);
-}
-
-#[test]
-fn a_figure_edited_by_hand_is_never_lost() {
-    let project = Project::with(&wanting("[\"table\", \"source\"]"));
-    project.run(&["run"]).lines();
-    let figure = fs::read(project.path("figures/a-source.svg")).unwrap();
-    project.write("figures/a-source.svg", "<svg>mine</svg>");
-    let line = project.run(&["run"]);
-    assert_eq!(
-        line.refusal(),
-        "error: figures/a-source.svg was edited by hand; move it away, or overwrite it by `signorini run --force`"
-    );
-    assert_eq!(fs::read(project.path("figures/a-source.svg")).unwrap(), b"<svg>mine</svg>");
-    // Neither a new f nor a lost cache changes that.
-    project.scene("a", &wanting("[\"table\", \"source\"]").replace("else=-1", "else=-2"));
-    fs::remove_dir_all(project.path(".signorini")).unwrap();
-    project.run(&["run"]).refusal();
-    assert_eq!(fs::read(project.path("figures/a-source.svg")).unwrap(), b"<svg>mine</svg>");
-    project.scene("a", &wanting("[\"table\", \"source\"]"));
-    project.run(&["run", "--force"]).lines();
-    assert_eq!(fs::read(project.path("figures/a-source.svg")).unwrap(), figure);
-}
-
-#[test]
-fn edited_figures_are_all_named_and_the_rest_waits_for_them() {
-    let project = Project::with(&wanting(EVERYTHING));
-    project.run(&["run"]).lines();
-    let mine = ["figures/a-source.svg", "figures/a-surface.svg"];
-    let history = fs::read(project.path("figures/a-history.svg")).unwrap();
-    let edited = mine.map(|path| fs::read(project.path(path)).unwrap());
-    mine.iter().for_each(|path| project.write(path, "<svg>mine</svg>"));
-    // An empty file holds nothing that could be lost.
-    project.write("figures/a-history.svg", "");
-    fs::remove_file(project.path("figures/a-contact.svg")).unwrap();
-    let said = project.run(&["run"]);
-    assert!(said.refusal().contains("2 files were edited by hand: "), "{said:?}");
-    assert!(mine.iter().all(|path| said.err.contains(path)), "{said:?}");
-    assert!(mine.iter().all(|path| fs::read(project.path(path)).unwrap() == b"<svg>mine</svg>"));
-    assert_eq!(fs::read(project.path("figures/a-history.svg")).unwrap(), b"");
-    assert!(!project.path("figures/a-contact.svg").exists());
-    mine.iter().zip(edited).for_each(|(path, svg)| project.write(path, svg));
-    project.run(&["run"]).lines();
-    assert_eq!(fs::read(project.path("figures/a-history.svg")).unwrap(), history);
-    assert!(project.path("figures/a-contact.svg").exists());
-}
-
-#[test]
-fn figures_of_a_deleted_scene_go_unless_somebody_edited_them() {
-    let project = Project::with(&wanting("[\"source\", \"surface\"]"));
-    project.scene("b", TABLE);
-    project.run(&["run"]).lines();
-    project.write("figures/a-source.svg", "<svg>mine</svg>");
-    project.write("figures/notes.txt", "mine");
-    fs::remove_file(project.path("pipeline/scenes/a.toml")).unwrap();
-    project.run(&["run", "b"]).lines();
-    assert!(project.path("figures/a-surface.svg").exists(), "one scene alone removes nothing");
-    let said = project.run(&["run", "--dry-run"]);
-    assert!(said.lines().contains(&"to be removed: figures/a-surface.svg"));
-    let said = project.run(&["run"]);
-    assert!(said.lines().contains(&"removed figures/a-surface.svg"), "{said:?}");
-    assert!(!said.out.contains("written"), "{said:?}");
-    let left: Vec<String> = project.files("figures").into_keys().collect();
-    assert_eq!(left, ["a-source.svg", "notes.txt"]);
-    project.run(&["run"]).nothing_to_do();
 }
 
 #[test]
@@ -193,48 +127,6 @@ fn a_reverted_project_without_cache_was_edited_by_nobody() {
 }
 
 #[test]
-fn what_is_no_file_is_refused_where_files_are_read() {
-    let project = Project::with(&wanting("[\"table\", \"source\"]"));
-    project.run(&["run"]).lines();
-    let status = || project.run(&["status"]);
-    let pipe = |path: &str| {
-        assert!(Command::new("mkfifo").arg(project.path(path)).status().unwrap().success());
-    };
-    for path in ["report/pipe", "pipeline/scenes/pipe.toml"] {
-        pipe(path);
-        let said = status();
-        assert!(said.refusal().contains("neither a file nor a folder; move it away"), "{said:?}");
-        fs::remove_file(project.path(path)).unwrap();
-    }
-    std::os::unix::fs::symlink("/", project.path("report/root")).unwrap();
-    assert!(status().refusal().contains("it links to a folder; move it away"), "{:?}", status());
-    fs::remove_file(project.path("report/root")).unwrap();
-    // Unreadable is not absent: what cannot be read may be somebody's work.
-    let paper = project.path("pipeline/paper.toml");
-    fs::remove_file(&paper).unwrap();
-    assert_eq!(status().code, Some(0));
-    std::os::unix::fs::symlink("nowhere", &paper).unwrap();
-    assert!(status().refusal().contains("paper.toml: ") && status().err.contains("check the path"));
-    fs::remove_file(&paper).unwrap();
-    fs::remove_file(project.path("figures/a-source.svg")).unwrap();
-    fs::create_dir(project.path("figures/a-source.svg")).unwrap();
-    assert!(project.run(&["run"]).refusal().contains("a-source.svg: "));
-    fs::remove_dir(project.path("figures/a-source.svg")).unwrap();
-    pipe("figures/a-source.svg");
-    project.run(&["run"]).refusal();
-    fs::remove_file(project.path("figures/a-source.svg")).unwrap();
-    // A cache among the inputs would change them with every run.
-    for place in ["report/cache", "new/../report/cache"] {
-        let said = project.run(&["run", "--cache-dir", place]);
-        assert!(said.refusal().contains("choose another place"), "{place}: {said:?}");
-    }
-    let name = std::ffi::OsStr::from_bytes(b"\xff.toml");
-    fs::copy(project.path("pipeline/scenes/a.toml"), project.path("pipeline/scenes").join(name))
-        .unwrap();
-    assert!(status().refusal().contains("is not UTF-8; rename it"), "{:?}", status());
-}
-
-#[test]
 fn a_pipe_in_the_cache_keeps_nobody_waiting() {
     let project = Project::with(&wanting(EVERYTHING));
     project.run(&["run"]).lines();
@@ -249,26 +141,6 @@ fn a_pipe_in_the_cache_keeps_nobody_waiting() {
         }
         assert_same(&project.made(), &made);
     }
-}
-
-#[test]
-fn what_lies_where_a_folder_is_to_be_is_named_with_the_remedy() {
-    let project = Project::with(&wanting("[\"source\"]"));
-    project.write("figures", "mine");
-    let said = project.run(&["run"]);
-    assert!(said.refusal().contains("cannot create ") && said.err.contains("move it away"));
-    assert_eq!(fs::read(project.path("figures")).unwrap(), b"mine");
-    std::os::unix::fs::symlink("nowhere", project.path("cache")).unwrap();
-    let said = project.run(&["run", "--cache-dir", "cache"]);
-    assert!(said.refusal().contains("cannot create cache: ") && said.err.contains("move it away"));
-}
-
-#[test]
-fn a_second_scene_for_a_published_table_is_refused() {
-    let project = Project::with(&(wanting(EVERYTHING) + "paper_table = 1\n"));
-    project.scene("copy", &(wanting(EVERYTHING) + "paper_table = 1\n"));
-    let said = project.run(&["run"]);
-    assert!(said.refusal().contains("`a` and `copy` both have `paper_table = 1`"), "{said:?}");
 }
 
 #[test]
@@ -332,51 +204,6 @@ fn a_read_only_project_that_is_up_to_date_has_nothing_to_do() {
     // Without permission nothing can be written, and even root would make the locks anew.
     project.run(&["run"]).nothing_to_do();
     assert_eq!(project.times().len(), times.len() - 2, "not even a lock");
-}
-
-#[test]
-fn a_deleted_figure_comes_back_without_drawing_it_again() {
-    let project = Project::with(&wanting("[\"source\"]"));
-    project.run(&["run"]).lines();
-    let made = project.made();
-    fs::remove_dir_all(project.path("figures")).unwrap();
-    assert_eq!(project.run(&["status", "--exit-code"]).code, Some(1));
-    assert_eq!(project.run(&["run", "-v"]).ran(), [""; 0]);
-    assert_same(&project.made(), &made);
-}
-
-#[test]
-fn a_figure_is_ours_even_when_the_cache_is_lost() {
-    let project = Project::with(&wanting("[\"source\"]"));
-    project.run(&["run"]).lines();
-    fs::remove_dir_all(project.path(".signorini")).unwrap();
-    project.scene("a", &wanting("[\"source\"]").replace("else=-1", "else=-2"));
-    assert_eq!(project.run(&["run", "-v"]).ran(), ["figures/a-source"]);
-}
-
-#[test]
-fn a_damaged_lock_file_is_refused_and_kept() {
-    let project = Project::with(TABLE);
-    let damage = [&b"tasks = 3"[..], b"[tasks\n", b"\xff\xfe\x00", b"[tasks]\n[exports\n"];
-    assert_eq!(damage.len(), promised("`pipeline/lock.toml` damaged"));
-    for garbage in damage {
-        project.write("pipeline/lock.toml", garbage);
-        let said = project.run(&["run"]);
-        assert!(said.refusal().contains("lock.toml is damaged; restore it with `git checkout`"));
-        assert_eq!(fs::read(project.path("pipeline/lock.toml")).unwrap(), garbage);
-    }
-    fs::remove_file(project.path("pipeline/lock.toml")).unwrap();
-    project.run(&["run"]).lines();
-    // Not damaged, but of a program that knows more.
-    let lock = fs::read_to_string(project.path("pipeline/lock.toml")).unwrap();
-    for newer in [format!("version = 3\n{lock}"), lock.replace("schema = 1", "schema = 2")] {
-        project.write("pipeline/lock.toml", &newer);
-        for args in [["run", "--locked"], ["run", "--force"], ["status", "--json"]] {
-            let said = project.run(&args);
-            assert!(said.refusal().ends_with("was it written by a newer one?"), "{said:?}");
-        }
-        assert_eq!(fs::read_to_string(project.path("pipeline/lock.toml")).unwrap(), newer);
-    }
 }
 
 #[test]
@@ -508,65 +335,6 @@ fn a_cache_of_an_older_layout_is_ignored_and_collected() {
 }
 
 #[test]
-fn a_file_that_is_not_ours_is_refused_in_one_line_with_the_remedy() {
-    let project = Project::with(TABLE);
-    let mistakes = [
-        (TABLE.replace("title", "titel"), "line 1: unknown field `titel`"),
-        (TABLE.to_owned() + "colour = 3\n", "line 9: unknown field `colour`, expected one of"),
-        (TABLE.replace("else=-1", "else=1"), "can only balance a negative one; lower f somewhere"),
-        (TABLE.replace("else=-1", "else=0"), "can only balance a negative one"),
-        (
-            TABLE.replace("else=-1", "else=nan"),
-            "is not a finite number; give a decimal such as -1.5",
-        ),
-        (TABLE.replace("else=-1", "exact(what)"), "choose one of full-contact, torsion"),
-        (TABLE.replace("\"else=-1\"", "'''disc(0,0,1)=-1\ndisc(0,0,2)=-2'''"), "write e.g. 'rect("),
-        (
-            TABLE.replace("\"else=-1\"", "'''exact(what\nelse)'''"),
-            "choose one of full-contact, torsion",
-        ),
-        (TABLE.replace("[10, 1]", "[0]"), "must be a positive number from 1e-12 to 1e12"),
-        (TABLE.replace("[10, 1]", "[-3]"), "must be a positive number"),
-        (TABLE.replace("[10, 1]", "[nan]"), "must be a positive number"),
-        (TABLE.replace("[10, 1]", "[1e300]"), "must be a positive number"),
-        (TABLE.replace("[10, 1]", "[10, 10.0]"), "lists 10 twice; remove one"),
-        (TABLE.replace("[10, 1]", "[]"), "must not be empty; e.g. r = [10]"),
-        (TABLE.replace("[4, 8]", "[4, 12]"), "each grid must halve the one before; use 1/8"),
-        (TABLE.replace("[4, 8]", "[]"), "give at least one, such as 1/4"),
-        (TABLE.replace("[4, 8]", "[1048576]"), "1/8192 is the finest"),
-        (TABLE.replace("[\"table\"]", "[\"poem\"]"), "unknown variant `poem`, expected one of"),
-        (TABLE[..TABLE.len() / 2].to_owned(), "line "),
-        (String::new(), "missing field `title`"),
-    ];
-    assert_eq!(mistakes.len(), promised("Mistake in a scene"));
-    for (wrong, remedy) in mistakes {
-        project.scene("a", &wrong);
-        let said = project.run(&["run"]);
-        assert!(said.refusal().starts_with("error: scene `a`: "), "{said:?}");
-        assert!(said.refusal().contains(remedy), "{remedy} is not in {said:?}");
-    }
-    project.write("pipeline/scenes/a.toml", b"title = \"\xff\"");
-    assert!(project.run(&["run"]).refusal().contains("a.toml: it is not UTF-8; save it as UTF-8"));
-    project.scene("a", TABLE);
-    assert!(project.run(&["run", "none"]).refusal().ends_with("no scene `none`; there are: a"));
-    project.write("pipeline/paper.toml", PAPER.replace("[1, 2], ", ""));
-    assert!(project.run(&["run"]).refusal().contains("table 1 does not have one full row per r"));
-    project.write("pipeline/paper.toml", PAPER);
-    // An editor's lock, a link to nowhere, is no scene.
-    std::os::unix::fs::symlink("user@host.1", project.path("pipeline/scenes/.#a.toml")).unwrap();
-    project.run(&["run"]).lines();
-    fs::remove_file(project.path("pipeline/scenes/a.toml")).unwrap();
-    assert!(project.run(&["run"]).refusal().contains("no scenes in "));
-    fs::remove_dir_all(project.path("pipeline/scenes")).unwrap();
-    assert!(
-        project
-            .run(&["run"])
-            .refusal()
-            .contains("begin a study with `signorini init FOLDER`, or use `signorini solve")
-    );
-}
-
-#[test]
 fn what_goes_with_an_output_that_the_chapters_show_is_named() {
     let project = Project::whole();
     let dry_run = || project.run(&["run", "--dry-run"]).lines()[0].to_owned();
@@ -591,26 +359,4 @@ fn what_goes_with_an_output_that_the_chapters_show_is_named() {
         lines[0] == reason && removed.is_some_and(|line| line.contains("figures/uzawa.svg")),
         "{said:?}"
     );
-}
-
-#[test]
-fn names_of_several_lines_are_refused() {
-    let project = Project::with(TABLE);
-    project.scene("a\nb", TABLE);
-    let said = project.run(&["dag"]);
-    assert!(said.refusal().contains("rename the scene"), "{said:?}");
-}
-
-#[test]
-fn arguments_that_cannot_be_meant_are_refused() {
-    let project = Project::with(TABLE);
-    let said = project.run(&["certificate", "--name", "a\nb"]);
-    assert!(said.refusal().contains("--name"), "{said:?}");
-    let said = project.run(&["solve"]);
-    assert_eq!(said.code, Some(2));
-    assert!(said.err.contains("give the name of a scene, or --f F"), "{said:?}");
-    let said = project.run(&["solve", "--f", "else=-1", "--friction", "1", "--limit", "2"]);
-    assert!(said.code == Some(2) && said.err.contains("both say which law holds"), "{said:?}");
-    project.write("pipeline/paper.toml", PAPER.replace("[10.0, 1.0]", "[10.0, 10.0]"));
-    assert!(project.run(&["run"]).refusal().contains("positive numbers, each once"));
 }

@@ -14,6 +14,11 @@ struct Chooser {
     wrong: u64,
 }
 
+/// The words of a text.
+fn words(text: &str) -> Vec<&str> {
+    text.split_whitespace().collect()
+}
+
 impl Chooser {
     fn chance(&mut self, percent: u64) -> bool {
         self.dice.below(100) < percent
@@ -28,28 +33,11 @@ impl Chooser {
     }
 
     fn number(&mut self) -> String {
-        let words = [
-            "",
-            "|",
-            "0",
-            "-0",
-            "1e300",
-            "-1e300",
-            "1e-300",
-            "1e400",
-            "nan",
-            "inf",
-            "-inf",
-            "1e19",
-            "18446744073709551616",
-            "x",
-            "0x10",
-            "1_000",
-            "--",
-            "\u{2212}1",
-        ];
+        let words = words(
+            "small | 0 -0 1e300 -1e300 1e-300 1e400 nan inf -inf 1e19 18446744073709551616 x 0x10 1_000 -- \u{2212}1",
+        );
         match self.one(&words) {
-            "" => format!("{}", (self.dice.below(2001) as f64 - 1000.0) / 1000.0),
+            "small" => format!("{}", (self.dice.below(2001) as f64 - 1000.0) / 1000.0),
             word => word.into(),
         }
     }
@@ -117,16 +105,7 @@ impl Chooser {
             "4",
         ];
         text += &format!("grids = {}\n", self.one(&grids));
-        let solvers = [
-            "arrow-hurwicz",
-            "uzawa",
-            "uzawa-proximal",
-            "|",
-            "multigrid",
-            "spectral",
-            "active-set",
-            "x",
-        ];
+        let solvers = words("arrow-hurwicz uzawa uzawa-proximal | multigrid spectral active-set x");
         text += &format!("solver = \"{}\"\n", self.one(&solvers));
         let caps = ["1000", "7", "1", "|", "0", "-1", "1e3"];
         text += &format!("max_iterations = {}\n", self.one(&caps));
@@ -191,28 +170,9 @@ impl Chooser {
             }
             _ => args.extend(["--f".into(), self.source(false)]),
         }
-        let widths = [
-            "1/2",
-            "1/4",
-            "4",
-            "1/6",
-            "1/8",
-            "16",
-            "1/12",
-            "0.25",
-            "|",
-            "1/3",
-            "1/7",
-            "1/0",
-            "1/1",
-            "0",
-            "x",
-            "1/",
-            "-1",
-            "1/18446744073709551616",
-            "1/100000000",
-            "0.3",
-        ];
+        let widths = words(
+            "1/2 1/4 4 1/6 1/8 16 1/12 0.25 | 1/3 1/7 1/0 1/1 0 x 1/ -1 1/18446744073709551616 1/100000000 0.3",
+        );
         self.maybe(&mut args, 100, "--h", &widths);
         let cubes = ["multigrid", "active-set", "|", "spectral"];
         let squares =
@@ -254,43 +214,12 @@ impl Chooser {
     }
 
     fn other(&mut self) -> Vec<String> {
-        let commands = [
-            "run -q",
-            "run -n",
-            "run a -q",
-            "run -q --only figures",
-            "run -q -j 3",
-            "run -q -k",
-            "status",
-            "status --json",
-            "explain solve",
-            "explain solve/a",
-            "dag",
-            "dag --mermaid",
-            "dag --mermaid",
-            "diff",
-            "diff --json",
-            "diff --md",
-            "gc -n",
-            "gc",
-            "man",
-            "completions bash",
-            "report",
-            "|",
-            "run -q -j -1",
-            "run -q --only x",
-            "run --locked -q",
-            "run b",
-            "status --exit-code",
-            "explain x",
-            "gc --keep 0",
-            "certificate",
-            "certificate --output no",
-            "bench --repeats 0",
-            "bench --finest 17",
-            "x",
-            "",
-        ];
+        let commands = "run -q, run -n, run a -q, run -q --only figures, run -q -j 3, run -q -k, status, \
+            status --json, explain solve, explain solve/a, dag, dag --mermaid, dag --mermaid, diff, \
+            diff --json, diff --md, gc -n, gc, man, completions bash, report, |, run -q -j -1, \
+            run -q --only x, run --locked -q, run b, status --exit-code, explain x, gc --keep 0, \
+            certificate, certificate --output no, bench --repeats 0, bench --finest 17, x, ";
+        let commands: Vec<_> = commands.split(", ").collect();
         self.one(&commands).split_whitespace().map(str::to_owned).collect()
     }
 

@@ -42,20 +42,6 @@ fn answers_tell_what_sticks_and_which_way_the_rest_slips() {
 }
 
 #[test]
-fn a_flux_that_does_not_balance_the_load_is_told_in_the_words_of_the_law() {
-    let project = Project::with(SCENE);
-    let f = ["solve", "--f", "quadrant(ll)=3; else=-1.002", "--h", "1/32"];
-    let warnings = |law: &[&str]| {
-        let args = [&f[..], law, &["--solver", "arrow-hurwicz", "--json"]].concat();
-        project.run(&args).json()["warnings"].to_string()
-    };
-    let with_friction = warnings(&["--friction", "0.3"]);
-    let words = "so the nodes that stick are not those of the solution";
-    assert!(with_friction.contains(words), "{with_friction}");
-    assert!(warnings(&[]).contains("so the contact set is not that of the solution"));
-}
-
-#[test]
 fn the_cube_and_every_solver_have_laws() {
     let project = Project::with(SCENE);
     let energy = |args: &[&str]| {
@@ -72,55 +58,6 @@ fn the_cube_and_every_solver_have_laws() {
     let cube = ["--domain", "cube", "--f", "else=4", "--friction", "0.7", "--h", "1/8"];
     let other = energy(&[&cube[..], &["--solver", "active-set"]].concat());
     assert!((energy(&cube) / other - 1.0).abs() < 1e-12);
-}
-
-#[test]
-fn bad_laws_get_one_line() {
-    let project = Project::with(SCENE);
-    let refused = |args: &[&str]| {
-        project.run(&[&["solve", "--f", "else=4"], args].concat()).refusal().to_owned()
-    };
-    for value in ["0", "-1", "nan", "inf"] {
-        for option in ["--friction", "--limit"] {
-            let message = refused(&[option, value]);
-            assert!(message.contains("must be a positive number"), "{message}");
-        }
-    }
-    assert!(refused(&["--friction", "1"]).contains("between -4.000 and 4.000"));
-    assert!(refused(&["--limit", "1"]).contains("the flux through the boundary can only balance"));
-    for (law, expected) in [
-        ("{ friction = -1 }", "friction = -1: must be a positive number"),
-        ("{ limit = 0 }", "limit = 0: must be a positive number"),
-        ("{ friction = 0.3, limit = 2 }", "a law has one number"),
-        ("{}", "a law has one number"),
-        ("{ glue = 1 }", "glue"),
-        ("3", "{ friction = 0.3 }"),
-    ] {
-        project.scene("bad", &SCENE.replace("{ friction = 1 }", law));
-        let said = project.run(&["run"]);
-        assert!(said.refusal().contains(expected), "{law}: {}", said.refusal());
-    }
-    project.scene("bad", &SCENE.replace("halfplane(1,0,0)=8; else=-8", "else=4"));
-    assert!(project.run(&["run"]).refusal().contains("the flux through the boundary"));
-}
-
-#[test]
-fn a_nodal_load_that_the_flux_cannot_balance_is_one_of_the_grid() {
-    let project = Project::with(SCENE);
-    let f = ["solve", "--f", "halfplane(2,1,0.1728)=8.21; else=-12.67", "--h", "1/4"];
-    for law in [["--limit", "0.115"], ["--friction", "0.115"]] {
-        for solver in ["multigrid", "active-set", "arrow-hurwicz"] {
-            let args = [&f[..], &law, &["--solver", solver, "--load", "nodal"]].concat();
-            let said = project.run(&args);
-            assert_eq!(said.code, Some(3), "{said:?}");
-            let words = "the load vector sums to -0.9250 on grid 1/4, where the discrete problem has no solution; \
-                use --load exact";
-            assert!(said.err.contains(words), "{said:?}");
-        }
-        // The remedy works.
-        let args = [&f[..], &law, &["--load", "exact"]].concat();
-        assert_eq!(project.run(&args).code, Some(0));
-    }
 }
 
 #[test]

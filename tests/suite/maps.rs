@@ -142,32 +142,6 @@ fn a_picture_is_titled_by_f_or_the_name_of_the_file_or_the_scene() {
     }
 }
 
-/// Load of the scene [`TABLE`], which meshes do not choose.
-const NODAL: &str = "load = { rule = \"nodal\", diagonal = \"rising\" }\n";
-
-#[test]
-fn maps_are_refused_where_there_are_none() {
-    let project = Project::with(TABLE);
-    let refused = |args: &[&str], words: &str| {
-        let said = project.run(&[&["solve", "--f", "else=-1"], args].concat());
-        let refusal = said.refusal().to_owned();
-        assert!(refusal.contains(words), "{refusal}");
-    };
-    refused(&["--domain", "ball", "--map", "--out", "v.svg"], "use .vtu and open it in ParaView");
-    refused(&["--map", "--out", "v.npz"], "--map is for a picture; let --out end with .svg");
-    refused(&["--surface", "--out", "v.vti"], "--surface is for a picture");
-    for args in [&["--map"][..], &["--map", "--surface", "--out", "v.svg"]] {
-        let said = project.run(&[&["solve", "--f", "else=-1"], args].concat());
-        assert_eq!(said.code, Some(2), "{said:?}");
-    }
-    project.scene(
-        "a",
-        &wanting("[\"map\"]").replace("grids = [4, 8]\n", "domain = \"cube\"\n").replace(NODAL, ""),
-    );
-    let refusal = project.run(&["run"]);
-    assert!(refusal.refusal().contains("`map` is a picture of a domain in the plane"));
-}
-
 #[test]
 fn a_scene_has_a_map_if_it_asks_for_one() {
     let project = Project::with(&wanting("[\"table\", \"map\"]"));

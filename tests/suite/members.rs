@@ -318,54 +318,6 @@ fn options_do_not_change_what_a_scene_varies() {
 }
 
 #[test]
-fn a_name_is_one_list_and_one_thing() {
-    let project = Project::with(TABLE);
-    let f = "disc(0,0,$R)=$b; else=-1";
-    let mesh = "title = \"t\"\nf = \"else=-1\"\noutputs = [\"table\"]\n";
-    for (args, words) in [
-        (
-            &["--f", f, "--vary", "R=0.1", "--vary", "b=4", "--vary", "R=0.3"][..],
-            "`R` is there twice",
-        ),
-        (&["--f", f, "--vary", "R=0.1", "--vary", "b=4", "--vary", " R=0.3"], "`R` is there twice"),
-        (&["--f", "else=-1", "--vary", "h=8", "--vary", "h=16"], "`h` is there twice"),
-        (&["--f", "disc(0,0,$r)=4; else=-1", "--vary", "r=0.1"], "`r` is a field; choose another"),
-        (&["--f", "else=-$limit", "--vary", "limit=1"], "`limit` is a field; choose another"),
-        (&["--f", "else=-$refine"], "`refine` is a field; choose another"),
-        (&["--f", "$f", "--vary", "f=else=-1"], "--f is given as well"),
-        (&["--f", "else=-0.$d", "--vary", "d=5"], "in f is a number"),
-        (&["--f", "else=-$R$R", "--vary", "R=1"], "in f is a number"),
-        (&["--f", "exact($s)", "--vary", "s=full-contact"], "a name in f is a number"),
-        (&["--vary", "f=else=-1|else=-$R", "--vary", "R=1,2"], "f has no $R"),
-        (&["--f", "else=-$R", "--vary", "R=0.1,0.10"], "R = 0.1 is there twice"),
-        (&["--f", "else=-$R", "--vary", "R=0,-0"], "R = 0 is there twice"),
-        (&["--f", "else=-1", "--vary", "h=8,1/8"], "h = 1/8 is there twice"),
-        (&["--f", "else=-1", "--vary", "h=0.125,8"], "h = 1/8 is there twice"),
-        (&["--vary", "f=else=-1,else = -1.0", "--h", "8"], "f = else=-1 is there twice"),
-        (
-            &["--f", "else=-1", "--vary", "load=nodal", "--vary", "solver=spectral"],
-            "is for --solver",
-        ),
-        (
-            &["--f", "else=-1", "--domain", "annulus", "--vary", "fixed=outer,inner|inner,outer|"],
-            "is there twice",
-        ),
-        (&["--vary", "R=1"], "nothing to solve"),
-        (&["--f", "else=-1", "--vary", "domain=m.msh,./m.msh"], "domain = ./m.msh is there twice"),
-    ] {
-        let said = project.run(&[&["solve"], args].concat());
-        assert!(said.code == Some(2) && said.err.contains(words), "{args:?}: {said:?}");
-    }
-    for (vary, words) in [
-        ("domain = [{ name = \"disc\", refine = 2 }, \"lshape\"]", "a domain is its name alone"),
-        ("h = [\"1/8\", 8]", "h = 1/8 is there twice"),
-    ] {
-        project.scene("t", &format!("{mesh}vary = {{ {vary} }}\n"));
-        assert!(project.run(&["solve", "t"]).refusal().contains(words), "{vary}");
-    }
-}
-
-#[test]
 fn values_of_several_parts_or_none_are_values() {
     let project = Project::with(TABLE);
     let f = ["--f", "else=-1", "--domain", "annulus", "--refine", "1"];
@@ -468,19 +420,6 @@ fn a_width_may_be_a_number_and_keys_of_tables_are_told_where_they_belong() {
 }
 
 #[test]
-fn columns_have_the_order_in_which_they_are_given() {
-    let project = saved();
-    let path = project.path("pipeline/scenes/s.toml");
-    let text = fs::read_to_string(&path).unwrap();
-    fs::write(&path, format!("{text}columns = [\"force\", \"h\", \"energy\"]\n")).unwrap();
-    project.run(&["run", "s"]).lines();
-    let table = fs::read_to_string(project.path("report/tables/s.md")).unwrap();
-    assert!(table.starts_with("| force | h | energy |"), "{table}");
-    fs::write(&path, format!("{text}columns = [\"force\", \"force\"]\n")).unwrap();
-    assert!(project.run(&["run", "s"]).refusal().contains("`force` is there twice"));
-}
-
-#[test]
 fn an_interrupted_study_keeps_the_rows_that_it_has() {
     let project = Project::with(TABLE);
     let values: Vec<_> = (1..=400).map(|k| format!("{}", 1.0 + f64::from(k) / 1000.0)).collect();
@@ -533,21 +472,4 @@ fn what_is_saved_has_the_same_members() {
         assert!(own.len() > 1);
         fs::remove_file(project.path("pipeline/scenes/own.toml")).unwrap();
     }
-}
-
-#[test]
-fn a_study_of_the_stopping_rule_has_the_end_of_the_solver_too() {
-    let project = Project::with(TABLE);
-    let args =
-        ["solve", "--f", "else=-1", "--h", "8", "--r", "10", "--vary", "stop=signed,printed"];
-    let with = |more: &[&str]| project.run(&[&args[..], more].concat());
-    let (limit, json) = (["--max-iterations", "3"], ["--max-iterations", "3", "--json"]);
-    let said = with(&json);
-    for (row, rule) in said.out.lines().zip(["signed", "printed"]) {
-        let row: Value = serde_json::from_str(row).unwrap();
-        assert_eq!([&row["stop"], &row["end"]], [rule, "iteration-limit"], "{row}");
-    }
-    let head = with(&limit).out.lines().nth(1).unwrap().to_owned();
-    assert!(head.contains(" end"), "{head}");
-    assert!(with(&["--vary", "end=1"]).refusal().contains("`end` is a column of the answer"));
 }

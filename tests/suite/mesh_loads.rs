@@ -275,57 +275,6 @@ fn sources_between_the_points_of_a_quadrature_are_seen() {
         let found = said.json()["integral_f"].as_f64().unwrap();
         assert!((found - integral).abs() < 1e-4, "{args:?}: {found}");
     }
-    let peak = "formula(-1+1e7*exp(-4e6*((x-0.0003)^2+(y-0.0004)^2)))";
-    for (args, words) in [
-        (
-            ["--domain", "disc", "--refine", "2", "--f", "disc(0.31,0.27,0.02)=2000; else=-0.5"],
-            "the integral of f is 0.9610, but",
-        ),
-        (["--domain", "lshape", "--refine", "2", "--f", peak], "the integral of f is 4.04"),
-        (
-            ["--domain", "lshape", "--refine", "1", "--f", "formula(1/(x-0.5)-3)"],
-            "f is inf at (0.5",
-        ),
-        (["--h", "1/64", "--load", "bilinear", "--f", peak], "the integral of f is 6.85"),
-        (
-            ["--domain", "ball", "--refine", "1", "--f", "ball(-1001,0,0,1001)=-7; else=-1"],
-            "what is round are at most 1000;",
-        ),
-    ] {
-        let said = project.run(&[&["solve"], &args[..]].concat());
-        assert!(said.refusal().contains(words), "{said:?}");
-    }
-}
-
-#[test]
-fn peaks_that_a_grid_misses_get_a_warning() {
-    let project = Project::with(TABLE);
-    let peak = "formula(-1-1e5*exp(-4e5*((x-0.107)^2+(y-0.204)^2)))";
-    for (args, words) in [
-        (["--h", "1/16", "--f", peak], "miss some of f"),
-        (["--h", "1/16", "--f", "formula(3*sin(1e3*x)-1)"], "quadrature of f on grid 1/16 misses"),
-        (
-            ["--domain", "cube", "--f", "formula(-1+sin(1e5*x)*sin(7e4*y))"],
-            "quadrature of f on refinement",
-        ),
-        (
-            ["--domain", "lshape", "--f", "formula(-2+sin(1e5*x)*sin(7e4*y))"],
-            "quadrature of f on refinement",
-        ),
-    ] {
-        let said = project.run(&[&["solve"], &args[..], &["--json"]].concat());
-        let warnings = said.json()["warnings"].to_string();
-        assert!(warnings.contains(words), "{args:?}: {warnings}");
-    }
-    for args in [
-        ["--h", "1/16", "--f", "formula(max(x,0)-1)"],
-        ["--domain", "cube", "--f", "formula(cos(3*x)*y-1)"],
-        ["--domain", "disc", "--f", "formula(sqrt(1-x^2-y^2)-1)"],
-        ["--domain", "lshape", "--f", "formula(abs(x-y)-2)"],
-    ] {
-        let said = project.run(&[&["solve"], &args[..], &["--json"]].concat());
-        assert_eq!(said.json()["warnings"], json!([]), "{args:?}");
-    }
 }
 
 #[test]

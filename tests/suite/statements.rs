@@ -3,7 +3,7 @@
 //!
 //! `SIGNORINI_SEED` is the seed, which a failure prints.
 
-use crate::common::{Dice, Project, Said};
+use crate::common::{Dice, Project};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -203,18 +203,4 @@ fn a_command_that_is_saved_and_run_has_the_numbers_of_solve_to_the_last_bit() {
             }
         }
     }
-}
-
-#[test]
-fn what_is_saved_hides_no_scene_and_names_its_mesh_in_the_project() {
-    let project = project();
-    let refused = |args: &[&str], remedy: &str| {
-        let said: Said = project.run(&[&["solve", "--f", "else=-1"], args].concat());
-        assert!(said.refusal().contains(remedy), "{said:?}");
-    };
-    refused(&["--save", "a"], "there is pipeline/scenes/a.toml already; choose another name");
-    refused(&["--save", "x/y"], "give a name without folders");
-    let outside = format!("{}/tests/meshes/gear.msh", env!("CARGO_MANIFEST_DIR"));
-    refused(&["--domain", &outside, "--save", "gear"], "copy it to pipeline/meshes");
-    assert!(!project.path("pipeline/scenes/gear.toml").exists());
 }

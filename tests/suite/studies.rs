@@ -120,44 +120,6 @@ fn options_scenes_and_saved_scenes_are_one_study() {
     assert!(text.lines().iter().all(|line| line.len() <= 80), "{text:?}");
 }
 
-#[test]
-fn a_value_more_solves_one_member_more() {
-    let project = with(
-        "disc(0,0,$R)=4; else=-1",
-        "vary = { R = [0.1, 0.2] }\nh = \"1/8\"\noutputs = [\"table\"]",
-    );
-    let ran = project.run(&["run", "-v", "s"]);
-    assert_eq!(ran.ran(), ["solve/s/R=0.1", "solve/s/R=0.2", "tabulate/s"]);
-    project.run(&["run", "s"]).nothing_to_do();
-    let scene = fs::read_to_string(project.path("pipeline/scenes/s.toml")).unwrap();
-    project.scene("s", &scene.replace("[0.1, 0.2]", "[0.05, 0.1, 0.2]"));
-    assert_eq!(project.run(&["run", "-v", "s"]).ran(), ["solve/s/R=0.05", "tabulate/s"]);
-    // As an engine runs a member.
-    project.scene("s", &scene.replace("[0.1, 0.2]", "[0.01]"));
-    assert_eq!(project.run(&["run", "-v", "--task", "solve/s/R=0.01"]).ran(), ["solve/s/R=0.01"]);
-}
-
-#[test]
-fn a_list_of_tables_is_one_product_after_the_other() {
-    let lines = "vary = [{ friction = 1, h = [8, 16] }, { h = 4, friction = 2 }]\noutputs = [\"table\"]\n\
-        columns = [\"friction\", \"energy\"]";
-    let project = with(F, lines);
-    project.run(&["run", "s"]).lines();
-    // Beside what is varied, the columns that are wanted alone, with what bounds them.
-    let csv = fs::read_to_string(project.path("report/tables/s.csv")).unwrap();
-    assert!(
-        csv.starts_with("friction,h,energy,energy_lower,energy_upper,warnings,reason\n"),
-        "{csv}"
-    );
-    let pairs: Vec<_> = rows(&project, "report/tables/s.csv")
-        .iter()
-        .map(|row| format!("{} {}", row["friction"].as_str().unwrap(), row["h"].as_str().unwrap()))
-        .collect();
-    assert_eq!(pairs, ["1 1/8", "1 1/16", "2 1/4"]);
-    let markdown = fs::read_to_string(project.path("report/tables/s.md")).unwrap();
-    assert!(markdown.starts_with("| friction | energy | warnings |\n"), "{markdown}");
-}
-
 /// Study of so many members.
 fn of(members: usize) -> Project {
     let values: Vec<_> = (1..=members).map(|k| format!("{}", 1.0 + k as f64 / 1000.0)).collect();
@@ -200,40 +162,6 @@ fn killed_and_interrupted_studies_go_on_where_they_were() {
         assert!((200..=202).contains(&(before + after)) && after < 185, "{before} + {after}");
         assert_eq!(fs::read(project.path("report/tables/s.csv")).unwrap(), table, "{signal}");
     }
-}
-
-#[test]
-fn a_study_without_any_solution_fails_in_solve() {
-    let project = Project::with(TABLE);
-    let said = project.run(&["solve", "--f", F, "--vary", "friction=0.01,0.02"]);
-    assert_eq!(said.code, Some(3), "{said:?}");
-    assert!(said.out.contains("no solution with friction = 0.02"), "{said:?}");
-    assert!(said.err.starts_with("error: no member has a solution: the integral"), "{said:?}");
-    let vary = ["solve", "--f", F, "--vary", "friction=0.01,0.02", "--save", "none"];
-    let said = project.run(&vary);
-    assert!(said.code == Some(3) && said.err.contains("no scene is written"), "{said:?}");
-    assert!(!project.path("pipeline/scenes/none.toml").exists());
-}
-
-#[test]
-fn a_study_without_any_solution_is_a_table_and_a_chart_that_say_why() {
-    let project = with(F, "vary = { friction = [0.01, 0.02] }\noutputs = [\"table\", \"chart\"]");
-    let said = project.run(&["run", "s"]);
-    assert!(
-        said.err.contains(
-            "s: no-solution with friction = 0.01, friction = 0.02; report/tables/s.csv says why"
-        ),
-        "{said:?}"
-    );
-    assert_eq!(said.code, Some(0), "{said:?}");
-    let read = |path: &str| fs::read_to_string(project.path(path)).unwrap();
-    assert!(read("report/tables/s.csv").contains("the integral of f is"));
-    assert!(read("figures/s-chart.svg").contains("no solution: the integral of f"));
-    // What does suffice is named.
-    let reason = read("report/tables/s.md");
-    let (_, rest) = reason.split_once("raise friction to ").unwrap();
-    let enough = rest.split(',').next().unwrap();
-    project.run(&["solve", "--f", F, "--friction", enough]).lines();
 }
 
 #[test]
@@ -281,83 +209,6 @@ fn arcs_that_stick_shrink_exponentially_as_friction_gets_weaker() {
         let fall = number(one, "contact_length") / number(next, "contact_length");
         let rate = fall.ln() / (1.0 / number(next, "friction") - 1.0 / number(one, "friction"));
         assert!((5.5..7.5).contains(&rate), "{rate}: {one} {next}");
-    }
-}
-
-#[test]
-fn mistakes_in_studies_are_refused_with_their_line() {
-    for (lines, words) in [
-        (
-            "vary = { frction = [1] }",
-            "line 3: `vary`: frction: no such field, and f has no $frction; the fields are f,",
-        ),
-        ("vary = { outputs = [\"table\"] }", "`vary`: outputs: no such field"),
-        ("vary = { energy = [1] }", "`energy` is a column of the answer"),
-        ("vary = { friction = [] }", "`friction` has no values"),
-        ("vary = {}", "nothing is varied; write vary = {"),
-        ("vary = 3", "expected a table of lists"),
-        ("vary = { friction = [1, 1.0] }", "friction = 1 is there twice"),
-        (
-            "vary = { friction = [1, -1] }",
-            "with friction = -1: friction = -1: must be a positive number",
-        ),
-        ("vary = { friction = [\"x\"] }", "`vary`: friction = x: invalid float"),
-        ("vary = [{ friction = 1 }, { h = 8 }]", "each table has the same names"),
-        (
-            "law = { friction = 1 }\nvary = { friction = [2] }",
-            "line 4: `vary`: friction: `friction` is given as well",
-        ),
-        ("grids = [4]\nvary = { h = [8] }", "both say how fine"),
-        (
-            "vary = { h = [8] }\nchart = { x = \"solver\" }\noutputs = [\"chart\"]",
-            "no column of numbers `solver`",
-        ),
-        ("vary = { h = [8] }\nchart = { x = \"h\" }", "add \"chart\" to `outputs`"),
-        ("vary = { h = [8] }\ncolumns = [\"x\"]", "no column `x`; choose from h, energy"),
-        ("vary = { h = [8] }\noutputs = [\"map\"]", "`map` shows one solution"),
-        ("vary = { h = [8] }\npaper_table = 1", "leave out `vary`"),
-        ("outputs = [\"chart\"]", "add `vary`, or drop it"),
-        ("columns = [\"energy\"]", "`columns` are of a study"),
-        ("solver = \"uzawa\"\nr = [1, 2]\nvary = { h = [8] }", "`r` has several values"),
-    ] {
-        let outputs = if lines.contains("outputs = [\"") && !lines.contains("{ outputs") {
-            ""
-        } else {
-            "\noutputs = [\"table\"]"
-        };
-        let project = with(F, &format!("{lines}{outputs}"));
-        let said = project.run(&["run", "s"]);
-        assert!(said.refusal().contains(words), "{words}: {said:?}");
-    }
-    let many: Vec<_> = (1..=101).map(|k| k.to_string()).collect();
-    let many = many.join(", ");
-    let lines = format!(
-        "vary = {{ max_iterations = [{many}], tolerance = [{many}] }}\noutputs = [\"table\"]"
-    );
-    let said = with(F, &lines).run(&["run", "s"]);
-    assert!(said.refusal().contains("there are 10201 members, more than 10000"), "{said:?}");
-    let said = with("disc(0,0,$R)=1; else=-1", "outputs = [\"table\"]").run(&["run", "s"]);
-    assert!(said.refusal().contains("f has $R, which has no values; add vary = { R ="), "{said:?}");
-}
-
-#[test]
-fn mistakes_in_options_of_studies_are_refused() {
-    let project = four();
-    for (args, words) in [
-        (&["--f", F, "--vary", "friction=x"][..], "--vary friction=x: invalid float"),
-        (&["--f", F, "--vary", "friction=1:2"], "list values with commas between them"),
-        (&["--f", F, "--vary", "friction=1", "--csv", "t.tex"], "add --save NAME for a scene"),
-        (&["--f", F, "--vary", "solver=multigrid,foo"], "--vary solver=foo: choose one of"),
-        (&["--f", F, "--friction", "1", "--vary", "friction=1"], "--friction is given as well"),
-        (&["--f", F, "--vary", "h=8", "--out", "v.npz"], "--out is about one solution"),
-        (&["--f", F, "--csv", "t.csv"], "add --vary NAME=VALUE,VALUE"),
-        (&["s", "--vary", "h=8"], "a scene that varies something"),
-        (&["a", "--vary", "domain=disc"], "--domain does not go with a scene, which has its own"),
-        (&["--f", "disc(0,0,$R)=1; else=-1"], "--vary R=0.1,0.2"),
-        (&["--f", F, "--vary", "h=1/100000"], "--h 1/100000"),
-    ] {
-        let said = project.run(&[&["solve"], args].concat());
-        assert!(said.refusal().contains(words), "{words}: {said:?}");
     }
 }
 

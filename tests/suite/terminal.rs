@@ -1,7 +1,6 @@
 //! What a person sees: colours, bars and columns, as far as the terminal can show them.
 
 use crate::common::{EVERYTHING, Project, TABLE, TALK, skip, wanting};
-use expect_test::expect;
 use std::fs;
 use std::process::{Command, Stdio};
 
@@ -110,38 +109,6 @@ fn terminals_get_what_they_can_show() {
     assert!(shown("status", &[("TERM", "xterm")]).unwrap().contains("\x1b["));
     for env in [&[("TERM", "dumb")][..], &[("TERM", "xterm"), ("NO_COLOR", "1")]] {
         assert!(!shown("status", env).unwrap().contains('\x1b'), "{env:?}");
-    }
-}
-
-#[test]
-fn status_stands_in_columns_and_fits_narrow_terminals() {
-    let project = Project::with(&wanting("[\"table\", \"source\"]"));
-    project.scene("a-scene-with-a-name-that-takes-room", TABLE);
-    project.run(&["run", "a-scene-with-a-name-that-takes-room"]).lines();
-    project.scene("a-scene-with-a-name-that-takes-room", &TABLE.replace("else=-1", "else=-2"));
-    expect![[r"
-        solve     stale  4 of 4  solve/a/signed/r=10  first run
-        tabulate  waits  2 of 2  tabulate/a           waits for solve/a/signed/r=10
-        figures   stale  1 of 1  figures/a-source     first run
-        7 tasks: 5 stale, 2 waiting for those
-    "]]
-    .assert_eq(&project.run(&["status"]).out);
-    project.run(&["run", "a"]).lines();
-    let wide = project.run(&["status"]).out;
-    expect![[r"
-        solve     stale       2 of 4  solve/a-scene-with-a-name-that-takes-room/signed/r=10  parameter f: else=-1 -> else=-2
-        tabulate  waits       1 of 2  tabulate/a-scene-with-a-name-that-takes-room           waits for solve/a-scene-with-a-name-that-takes-room/signed/r=10
-        figures   up to date       1
-        7 tasks: 4 up to date, 2 stale, 1 waiting for those
-    "]]
-    .assert_eq(&wide);
-    let narrow = project.command(&["status"]).env("COLUMNS", "60").output().unwrap();
-    let narrow = String::from_utf8(narrow.stdout).unwrap();
-    assert!(narrow.lines().all(|line| line.chars().count() <= 60), "{narrow}");
-    assert!(narrow.lines().next().unwrap().ends_with("..."), "{narrow}");
-    for senseless in ["0", "wide", "-3"] {
-        let output = project.command(&["status"]).env("COLUMNS", senseless).output().unwrap();
-        assert_eq!(String::from_utf8(output.stdout).unwrap(), wide);
     }
 }
 

@@ -142,26 +142,3 @@ fn the_command_solves_on_a_file_and_on_a_domain() {
         }
     }
 }
-
-#[test]
-fn bad_meshes_and_options_get_one_line() {
-    let here = env!("CARGO_MANIFEST_DIR");
-    let cases: [&[&str]; 11] = [
-        &["--domain", "gear"],
-        &["--domain", "disc", "--fixed", "teeth"],
-        &["--domain", "disc", "--free", "rim"],
-        &["--domain", "disc", "--curve", "rim=0,0"],
-        &["--domain", "disc", "--curve", "rim=0,0,2"],
-        &["--domain", "disc", "--refine", "20"],
-        &["--domain", "ball", "--out", "ball.svg"],
-        &["--domain", "ball", "--solver", "spectral"],
-        &["--domain", "nowhere.msh"],
-        &["--domain", here],
-        &["--refine", "2"],
-    ];
-    let project = Project::with(TABLE);
-    for args in cases {
-        project.run(&[&["solve", "--f", "else=-1"], args].concat()).refusal();
-    }
-    project.run(&["solve", "--domain", "disc", "--f", "else=1"]).refusal();
-}

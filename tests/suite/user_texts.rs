@@ -1,6 +1,6 @@
 //! Texts of users, in pages that the program makes and in commands that it prints; names that it refuses.
 
-use crate::common::{Project, TABLE, wanting};
+use crate::common::{Project, TABLE};
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 use signorini::report;
 use std::fs;
@@ -74,50 +74,6 @@ fn a_table_without_a_number_has_the_values_that_vary() {
 }
 
 #[test]
-fn scenes_whose_files_are_one_elsewhere_are_refused() {
-    for (first, second) in
-        [("plate", "Plate"), ("na\u{ef}ve", "nai\u{308}ve"), ("\u{e9}", "E\u{301}")]
-    {
-        let project = Project::with(TABLE);
-        project.scene(first, TABLE);
-        let save = ["solve", "--f", "else=-1", "--h", "4", "--save"];
-        let said = project.run(&[&save[..], &[second]].concat());
-        assert!(said.refusal().contains("already; choose another name"), "{said:?}");
-        project.scene(second, TABLE);
-        if project.files("pipeline/scenes").len() > 2 {
-            let said = project.run(&["run"]);
-            assert!(said.refusal().contains("differ in capitals or accents alone"), "{said:?}");
-        }
-    }
-    let project = Project::with(TABLE);
-    for name in ["", " ", ".a", "#a", "~a", "a/b", "a\\b", "-x", "a.md.b"] {
-        let before = project.files("pipeline/scenes");
-        let save = format!("--save={name}");
-        let said = project.run(&["solve", "--f", "else=-1", "--h", "4", &save]);
-        assert!(said.refusal().contains(", such as plate"), "{name}: {said:?}");
-        assert!(project.files("pipeline/scenes") == before, "{name}");
-    }
-    project.scene("-x", TABLE);
-    assert!(project.run(&["run"]).refusal().contains("read as an option; rename it"));
-}
-
-#[test]
-fn names_in_printed_commands_are_quoted_for_a_shell() {
-    let project = Project::with(TABLE);
-    let save = ["solve", "--f", "else=-1", "--h", "4", "--save", "a $(id)'s"];
-    let said = project.run(&save);
-    assert!(said.err.contains(r"`signorini run 'a $(id)'\''s'`"), "{said:?}");
-    let study = "title = \"S\"\nf = \"else=-1\"\nvary = { h = [4, 8] }\noutputs = [\"chart\"]\n";
-    project.scene("b c", study);
-    let listed = project.run(&["list", "b c"]);
-    assert_eq!(listed.lines()[1], "signorini solve 'b c'");
-    let unsolvable = "title = \"S\"\nf = \"quadrant(ll)=9; else=-1\"\nvary = { h = [4, 8] }\noutputs = [\"chart\"]\n";
-    project.scene("d e", unsolvable);
-    let said = project.run(&["run", "d e"]);
-    assert!(said.err.contains("`signorini solve 'd e'` says why"), "{said:?}");
-}
-
-#[test]
 fn digits_that_no_number_has_are_refused_with_the_line_of_the_page() {
     let filters =
         [("fix(to=65536)", "`to` is 65536"), ("sci(digits=100000)", "`digits` is 100000")];
@@ -129,64 +85,6 @@ fn digits_that_no_number_has_are_refused_with_the_line_of_the_page() {
         assert!(error.contains(named), "{error}");
         assert!(error.starts_with("report/templates/one.md.tera:3: "), "{error}");
     }
-}
-
-#[test]
-fn a_mistake_in_f_is_wrong_input_wherever_it_stands() {
-    let project = Project::with(TABLE);
-    for domain in ["square", "lshape", "cube"] {
-        let fields = ["solve", "--f", "ele=-1", "--domain", domain];
-        let single = project.run(&fields).refusal().to_owned();
-        let study = project.run(&[&fields[..], &["--vary", "friction=0.5,1"]].concat());
-        assert_eq!(study.code, Some(2), "{study:?}");
-        assert!(
-            study.refusal().contains("cannot read `ele=-1` in f") && single.contains("cannot read")
-        );
-    }
-    for f in ["-1", "4", "sin(x)-1", "circle(0,0,1)=2"] {
-        let said = project.run(&["solve", "--f", f]);
-        let refusal = said.refusal();
-        assert!(refusal.contains(", and regions as '"), "{f}: {said:?}");
-    }
-    let long = format!("{}else=-1; elsewhere", "disc(0,0,0.1)=1; ".repeat(4000));
-    let said = project.run(&["solve", "--f", &long]);
-    assert!(said.refusal().len() < 5000, "{}", said.err.len());
-    project.write("own.msh", include_str!("../meshes/square.msh"));
-    assert!(project.run(&["solve", "own.msh"]).err.contains("use --domain own.msh"));
-}
-
-#[test]
-fn a_table_goes_to_a_file_that_is_named_as_one() {
-    let project = Project::with(TABLE);
-    let solve = ["solve", "--f", "else=-1", "--vary", "h=4", "--csv"];
-    let before = project.files("");
-    for name in ["t.xlsx", "t.npz", "t.svg", "t.json", "t.toml", "t", "-"] {
-        let said = project.run(&[&solve[..], &[name]].concat());
-        assert!(said.refusal().contains("let the name end with .csv"), "{name}: {said:?}");
-    }
-    assert!(project.files("") == before);
-    project.run(&[&solve[..], &["t.csv"]].concat()).lines();
-    if cfg!(target_os = "linux") {
-        let said = project.run(&[&solve[..], &["/dev/full"]].concat());
-        assert!(said.err.contains("name a file elsewhere") && !said.err.contains("gc"), "{said:?}");
-    }
-}
-
-#[test]
-fn lines_of_explain_are_short_and_gc_names_what_it_removes() {
-    let project = Project::with(&wanting("[\"table\"]"));
-    project.run(&["run"]).lines();
-    let many = "disc(0,0,0.1)=1; ".repeat(60);
-    project.scene("a", &TABLE.replace("else=-1", &format!("{many}else=-1")));
-    let explained = project.run(&["explain", "solve"]);
-    assert!(explained.lines().iter().all(|line| line.len() < 300), "{explained:?}");
-    assert!(explained.out.contains("disc(0,0,0.1)=1"), "{explained:?}");
-    for value in 2..4 {
-        project.scene("a", &TABLE.replace("else=-1", &format!("else=-{value}")));
-        project.run(&["run"]).lines();
-    }
-    let said = project.run(&["gc"]);
-    assert!(said.lines()[0].contains(" records of runs, "), "{said:?}");
 }
 
 #[test]

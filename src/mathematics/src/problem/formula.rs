@@ -311,62 +311,6 @@ mod tests {
         assert_eq!(f.at([0.5, 0.5]), 3.0 * 0.25 - 1.1);
     }
 
-    #[test]
-    fn bad_formulas_are_refused_in_one_line_with_an_example() {
-        for (text, words) in [
-            ("", "ends where"),
-            ("3*", "ends where"),
-            ("q + 1", "`q` is not known"),
-            ("z - 1", "`z` is not known"),
-            ("sinh(x)", "`sinh` is not known"),
-            ("sin x", "`sin` takes 1 argument in parentheses"),
-            ("max(x)", "`max` takes 2 arguments"),
-            ("sin(x, y)", "`sin` takes 1 argument"),
-            ("2x", "`x` follows without an operator"),
-            ("(x", "a parenthesis is not closed"),
-            ("x)", "`)` follows without an operator"),
-            ("x ** y", "`* y` stands where"),
-            ("1e400", "`1e400` is not a finite number"),
-            ("1.2.3", "`1.2.3` is not a finite number"),
-            ("x \u{b2}", "follows without an operator"),
-            (&"(".repeat(100_000), "nested too deeply"),
-            (&"-".repeat(100_000), "nested too deeply"),
-            (&format!("{}1{}", "1+(".repeat(40), ")".repeat(40)), "nested too deeply"),
-        ] {
-            let message = format!("formula({text})").parse::<Source>().unwrap_err().to_string();
-            assert!(message.contains(words), "{message}");
-            assert!(!message.contains('\n') && message.contains("formula(3*x*y - 1.1)"));
-        }
-        assert!("formula(x*y*z - 1)".parse::<Source<3>>().is_ok());
-        let alone = "formula(x); else=1".parse::<Source>().unwrap_err().to_string();
-        assert!(alone.contains("stands alone"), "{alone}");
-        for text in [
-            "formula(sin(x)-2",
-            "formula(sin(x",
-            "formula(x",
-            "formula(x; else=1",
-            "formula(sin(x-2)",
-        ] {
-            let open = text.parse::<Source>().unwrap_err().to_string();
-            assert!(!open.contains("stands alone"), "{open}");
-            assert_eq!(open.contains("a parenthesis is not closed"), !text.contains(';'), "{open}");
-        }
-    }
-
-    #[test]
-    fn values_that_are_not_finite_are_found() {
-        for (text, point) in [
-            ("1/x - 1", "at (0, -0.5)"),
-            ("ln(x + 0.5) - 1", "at (-0.5, -0.5)"),
-            ("min(sqrt(y), 1) - 2", "at (-0.5, -0.5)"),
-        ] {
-            let message = formula(text).check_on_unit_domain(2).unwrap_err().to_string();
-            assert!(message.contains(point), "{message}");
-        }
-        assert!(formula("exp(x) - 9").check_on_unit_domain(2).is_ok());
-        assert!(Formula::read("1/z", 3).unwrap().check_on_unit_domain(3).is_err());
-    }
-
     proptest! {
         #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
         #[test]

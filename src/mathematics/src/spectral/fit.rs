@@ -6,7 +6,6 @@
 //! where dv/dn = q:      Im g - C = -int (psi_n - q) ds     from the start of a run, C one unknown each.
 //! ```
 
-pub(super) mod energy;
 pub(super) mod field;
 pub(super) mod least_squares;
 

@@ -128,8 +128,7 @@ impl PlaneTruth {
 
     /// Bounds of the energy, or the step of their proof that does not apply.
     pub(crate) fn bracket(&self) -> Result<[f64; 2], &'static str> {
-        let PlaneBracket { lower, upper, .. } = self.solution.bracket?;
-        Ok([lower, upper].map(|end| self.height * self.height * end))
+        Ok(self.solution.bracket?.ends().map(|end| self.height * self.height * end))
     }
 
     /// Integral of dv/dn over the boundary where the law holds.
@@ -166,7 +165,7 @@ impl PlaneTruth {
     pub(crate) fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         if let Ok(bracket) = self.solution.bracket {
-            let relative = bracket.relative(self.solution.energy);
+            let relative = bracket.relative();
             if relative > WIDE && self.solution.energy != 0.0 {
                 let PlaneBracket { cause, .. } = bracket;
                 let share = percent(relative, 2);

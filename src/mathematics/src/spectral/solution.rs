@@ -2,7 +2,8 @@
 
 use super::contact::arcs::{PlaneArc, arcs};
 use super::contact::search::{self, PlaneFound};
-use super::fit::{Effort, field};
+use super::fit::Effort;
+use super::fit::field::{self, share};
 use super::geometry::domain::{PlaneError, SidePlace};
 use super::geometry::panels::Spot;
 use super::problem::frame::Frame;
@@ -107,14 +108,23 @@ pub(super) fn solve(
     let mut found = search::search(&setup, &frame.start(start), effort)?;
     let mut bracket = proof::bracket(&setup, &found);
     if let Ok(wide) = bracket
-        && wide.relative(found.integrals.energy) > NINE_DIGITS
+        && wide.relative() > NINE_DIGITS
         && let Some(refined) = found.refined(&setup)
         && let Ok(own) = proof::bracket(&setup, &refined)
         && own.upper - own.lower < wide.upper - wide.lower
     {
         (found, bracket) = (refined, Ok(own));
     }
-    if found.integrals.energy > 0.0 || bracket.is_ok_and(|own| own.lower > 0.0) {
+    // f along its jumps against the flux, which the bracket has compared already.
+    let energy = match bracket {
+        Ok(own) => own.energy,
+        Err(_) => {
+            let [energy, balance] = proof::unproved(&setup, &found.fit, &found.nodes);
+            found.check_balance(balance)?;
+            energy
+        }
+    };
+    if energy > 0.0 || bracket.is_ok_and(|own| own.lower > 0.0) {
         return Err(PlaneError::NotFound(
             "the energy came out above zero, that of v = 0: rounding errors exceed it".into(),
         ));
@@ -125,29 +135,25 @@ pub(super) fn solve(
                 .into(),
         ));
     }
-    let PlaneFound { integrals, sizes, signs, fit, nodes, .. } = &found;
-    let size = integrals.force.abs().max(sizes.flux * setup.perimeter);
+    let PlaneFound { sizes, signs, fit, nodes, .. } = &found;
+    let size = sizes.force.abs().max(sizes.flux * setup.perimeter);
     let checks = PlaneChecks {
-        residual: search::share(sizes.residual, sizes.value),
-        balance: search::share(integrals.force + integrals.source, size),
+        residual: share(sizes.residual, sizes.value),
+        balance: share(sizes.balance, size),
         flux: signs.flux,
         sign: signs.value,
-        bracket: bracket.ok().map(|bracket| bracket.relative(integrals.energy)),
+        bracket: bracket.ok().map(|bracket| bracket.relative()),
     };
     let square = frame.unit * frame.unit;
-    let bracket = bracket.map(|PlaneBracket { lower, upper, cause }| {
-        let [lower, upper] = [lower, upper].map(|end| square * square * end);
-        PlaneBracket { lower, upper, cause }
-    });
     let force: f64 =
         nodes.iter().filter(|node| node.lawful).map(|node| node.spot.weight * node.flux).sum();
     Ok(PlaneSolution {
-        energy: square * square * integrals.energy,
-        bracket,
+        energy: square * square * energy,
+        bracket: bracket.map(|own| own.scaled(square * square)),
         arcs: arcs(&problem.domain, frame, &setup, &found),
         force: square * force,
-        integral: square * integrals.source,
-        unbalanced: square * (integrals.force + integrals.source).abs(),
+        integral: square * (sizes.balance - sizes.force),
+        unbalanced: square * sizes.balance.abs(),
         checks,
         unknowns: fit.unknowns,
         steps: found.steps,
@@ -189,8 +195,12 @@ impl PlaneSolution {
     /// Numbers of unknowns, and energies, of levels from coarse to fine.
     pub(crate) fn by_level(&self) -> Vec<(usize, f64)> {
         let square = self.frame.unit * self.frame.unit;
-        let levels = self.found.by_level(&self.setup).into_iter();
-        levels.map(|(unknowns, energy)| (unknowns, square * square * energy)).collect()
+        let mut levels = Vec::new();
+        for (fit, nodes) in self.found.by_level(&self.setup) {
+            let [energy, _] = proof::unproved(&self.setup, &fit, &nodes);
+            levels.push((fit.unknowns, square * square * energy));
+        }
+        levels
     }
 
     /// v at many points.

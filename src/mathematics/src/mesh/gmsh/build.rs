@@ -170,64 +170,8 @@ fn part<const D: usize>(names: Names) -> Part<D> {
 #[cfg(test)]
 mod tests {
     use crate::mesh::gmsh::read;
-    use crate::mesh::gmsh::tests::{SQUARE_22, SQUARE_41, TETRAHEDRON, after, plane};
+    use crate::mesh::gmsh::tests::{SQUARE_22, SQUARE_41, TETRAHEDRON, plane};
     use crate::mesh::{AnyMesh, Condition, MeshOrigin};
-
-    #[test]
-    fn elements_that_make_no_mesh_are_named() {
-        for (from, to, message) in [
-            (
-                "23 2 2",
-                "23 17 2",
-                "$Elements, line 20: element 23 is a hexahedron; mesh with tetrahedra only",
-            ),
-            (
-                "22 1 2",
-                "22 27 2",
-                "$Elements, line 19: element 22 is of order 4 or higher, and those up to order 3 are read; mesh with \
-                 `Mesh.ElementOrder = 1`",
-            ),
-            (
-                "23 2 2",
-                "23 34 2",
-                "$Elements, line 20: element 23 has type 34, which is not read; mesh with simplices of order 1, by \
-                 `Mesh.ElementOrder = 1`",
-            ),
-            (
-                "23 2 2 2 1 11 12 13\n24 2 2 2 1 11 13 14",
-                "23 3 2 2 1 11 12 13 14\n24 4 2 2 1 11 12 13 14",
-                "element 23 is a quadrangle on no tetrahedron, and in a group: the file mixes dimensions; take it out \
-                 of the group",
-            ),
-            (
-                "13 1 1 0",
-                "13 1 1 1",
-                "node 14 is off the plane of nodes 11, 13 and 12, and the file has no tetrahedra: a surface in space \
-                 is no domain; mesh the volume, and put it into a Physical Volume if there are physical groups, or \
-                 mesh in one plane",
-            ),
-            (
-                "24 2 2 2 1 11 13 14",
-                "24 2 2 2 1 11 12 13",
-                "elements 23 and 24 have the same nodes; remove one, e.g. with \
-                 `gmsh.model.mesh.removeDuplicateElements()` in Python",
-            ),
-            (
-                "23 2 2 2 1 11 12 13",
-                "23 1 2 0 1 11 12",
-                "element 22 is a line on no triangle, and in a group: the file mixes dimensions; take it out of the \
-                 group",
-            ),
-            (
-                "22 1 2 1 1 11 12",
-                "22 1 2 1 1 12 14",
-                "part `south` names the facet [12, 14], which is no side of an element; embed it in the mesh, or \
-                 leave its name out",
-            ),
-        ] {
-            assert_eq!(after(SQUARE_22, from, to), message);
-        }
-    }
 
     /// The square with more elements, and nodes of no cell.
     fn beside(elements: &str) -> String {
@@ -457,26 +401,5 @@ mod tests {
         let mesh = plane(text.as_bytes());
         let names: Vec<_> = mesh.parts().iter().map(|part| part.names.to_string()).collect();
         assert_eq!(names, ["south, loaded", "boundary"]);
-    }
-
-    #[test]
-    fn cells_that_are_in_no_group_are_missed_with_what_saves_them() {
-        let cells = "23 2 2 2 1 11 12 13\n24 2 2 2 1 11 13 14\n";
-        let text = SQUARE_22
-            .replace("$PhysicalNames\n2", "$PhysicalNames\n1")
-            .replace("2 2 \"plate\"\n", "")
-            .replace("$Elements\n4", "$Elements\n2")
-            .replace(cells, "");
-        let said = read(text.as_bytes()).unwrap_err();
-        assert_eq!(
-            said,
-            "the file has no triangles and no tetrahedra: Gmsh saves what is in physical groups; add a Physical \
-             Surface, in space a Physical Volume, or set `Mesh.SaveAll = 1`"
-        );
-        let (before, _) = text.split_once("$PhysicalNames").unwrap();
-        let (_, after) = text.split_once("$EndPhysicalNames\n").unwrap();
-        let text = format!("{before}{after}").replace("22 1 2 1 1 11 12", "22 1 2 0 1 11 12");
-        let said = read(text.as_bytes()).unwrap_err();
-        assert_eq!(said, "the mesh has no triangles; mesh the area itself, not only its boundary");
     }
 }

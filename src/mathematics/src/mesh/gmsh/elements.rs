@@ -287,26 +287,3 @@ fn kind(head: ElementHead) -> Result<ElementType, Fault> {
     };
     Err(Fault::Kind { element: head.tag, is, remedy })
 }
-
-#[cfg(test)]
-mod tests {
-    use crate::mesh::gmsh::tests::{SQUARE_41, after};
-
-    #[test]
-    fn broken_blocks_are_named_with_the_line() {
-        for (from, to, message) in [
-            (
-                "2 6 1 4",
-                "2 6 1 18446744073709551615",
-                "$Nodes, line 22: node 0 is there twice; renumber the nodes of the mesh",
-            ),
-            (
-                "1 5 1 1",
-                "2 6 1 1",
-                "$Elements, line 32: element 22 lies in an entity of dimension 2; save the mesh again",
-            ),
-        ] {
-            assert_eq!(after(SQUARE_41, from, to), message);
-        }
-    }
-}

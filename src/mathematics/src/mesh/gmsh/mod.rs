@@ -245,12 +245,6 @@ mod tests {
         parts.iter().map(|&(name, facets)| (name.to_owned(), facets)).collect()
     }
 
-    /// Message for a file after `from` in its text became `to`.
-    pub(super) fn after(text: &str, from: &str, to: &str) -> String {
-        assert!(text.contains(from), "{from}");
-        read(text.replacen(from, to, 1).as_bytes()).unwrap_err()
-    }
-
     #[test]
     fn a_square_is_the_same_in_every_form() {
         let square = plane(SQUARE_22.as_bytes());
@@ -341,31 +335,6 @@ mod tests {
         let Ok(AnyMesh::Space(mesh)) = read(text.as_bytes()) else { panic!("a mesh in space") };
         assert_eq!(mesh.region_names(), ["domain".into()]);
         assert_eq!(parts(&mesh), named(&[("boundary", 4)]));
-    }
-
-    #[test]
-    fn names_that_two_groups_have_are_refused() {
-        let two = SQUARE_22.replace("22 1 2 1 1 11 12", "22 1 2 1 1 11 12\n25 1 2 2 1 12 13");
-        let two = two.replace("$Elements\n4", "$Elements\n5");
-        assert_eq!(
-            parts(&plane(two.as_bytes())),
-            named(&[("south", 1), ("2", 1), ("boundary", 2)])
-        );
-        assert_eq!(
-            after(&two, "\"south\"", "\"2\""),
-            "group 1 has the name `2`, which group 2, without a name, has too; rename one of them"
-        );
-        assert_eq!(
-            after(&two, "\"south\"", "\"boundary\""),
-            "a part has the name `boundary`, which facets in no part have too; put these into a part, or rename that \
-             one"
-        );
-        let regions = SQUARE_22.replace("24 2 2 2 1", "24 2 2 0 1");
-        assert_eq!(
-            after(&regions, "\"plate\"", "\"domain\""),
-            "a group has the name `domain`, which elements in no group have too; put these into a group, or rename \
-             that one"
-        );
     }
 
     #[test]

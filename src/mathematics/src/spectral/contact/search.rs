@@ -2,8 +2,7 @@
 
 use super::newton::{remove, settle};
 use super::signs::PlaneSigns;
-use crate::spectral::fit::energy::Integrals;
-use crate::spectral::fit::field::{PlaneNode, Sizes, boundary_nodes};
+use crate::spectral::fit::field::{PlaneNode, Sizes, boundary_nodes, share};
 use crate::spectral::fit::{Effort, Fit};
 use crate::spectral::geometry::boundary::{PlaneRing, RingContact};
 use crate::spectral::geometry::domain::PlaneError;
@@ -17,7 +16,6 @@ pub(in crate::spectral) struct PlaneFound {
     pub nodes: Vec<PlaneNode>,
     pub sizes: Sizes,
     pub signs: PlaneSigns,
-    pub integrals: Integrals,
     pub steps: usize,
     /// Level on which it was found.
     level: Level,
@@ -75,7 +73,7 @@ impl RightFit {
 }
 
 impl PlaneFound {
-    /// Finds the contact set on a level, and the energy.
+    /// Finds the contact set on a level.
     fn on(
         setup: &Setup,
         contact: &mut Vec<RingContact>,
@@ -84,9 +82,8 @@ impl PlaneFound {
     ) -> Result<Self, PlaneError> {
         let found = RightFit::on(setup, contact, &level, effort, POINTS[1])?;
         let RightFit { fit, nodes, sizes, signs } = found;
-        let integrals = Integrals::new(setup, &fit, &nodes);
         let (contact, steps) = (contact.clone(), effort.steps);
-        Ok(Self { contact, fit, nodes, sizes, signs, integrals, steps, level })
+        Ok(Self { contact, fit, nodes, sizes, signs, steps, level })
     }
 
     /// Solution of the finest level from this one's contact set, unless this is it; none if that is not found there.
@@ -101,9 +98,9 @@ impl PlaneFound {
         (found.errors() < ACCEPTED).then_some(Self { steps, ..found })
     }
 
-    /// Numbers of unknowns, and energies, of levels from coarse to fine; levels on which the ends do not settle are
+    /// Fits on levels from coarse to fine with their points of the boundary; levels on which the ends do not settle are
     /// left out.
-    pub(in crate::spectral) fn by_level(&self, setup: &Setup) -> Vec<(usize, f64)> {
+    pub(in crate::spectral) fn by_level(&self, setup: &Setup) -> Vec<(Fit, Vec<PlaneNode>)> {
         /// Degrees of polynomials, with ratios of the lengths of cuts.
         const LEVELS: [(usize, f64); 7] =
             [(4, 8.0), (8, 6.0), (12, 5.0), (16, 4.0), (24, 3.0), (32, 2.2), (44, 1.8)];
@@ -113,7 +110,7 @@ impl PlaneFound {
             let mut contact = self.contact.clone();
             if let Some(fit) = settle(setup, &mut contact, &level, &mut Effort::default()) {
                 let nodes = boundary_nodes(setup, &fit, &level, POINTS[1]);
-                found.push((fit.unknowns, Integrals::new(setup, &fit, &nodes).energy));
+                found.push((fit, nodes));
             }
         }
         found
@@ -121,25 +118,27 @@ impl PlaneFound {
 
     /// Largest residual, over the size of v, and the flux that f does not balance, over all of it.
     fn errors(&self) -> f64 {
-        let balance = (self.integrals.force + self.integrals.source).abs();
-        let balance = share(balance, self.integrals.force.abs().max(self.sizes.flux));
-        share(self.sizes.residual, self.sizes.value).max(0.1 * balance)
+        let Sizes { residual, value, .. } = self.sizes;
+        share(residual, value).max(0.1 * self.sizes.unbalanced(self.sizes.balance))
     }
 
-    /// Reason for which the checks do not pass.
-    fn refusal(&self) -> PlaneError {
-        let balance = (self.integrals.force + self.integrals.source).abs();
+    /// Refusal by a residual, or by the flux that f does not balance.
+    fn refused(&self, balance: f64) -> PlaneError {
         PlaneError::NotFound(format!(
             "a check failed: v in contact is zero but for {:.1e} of v, and dv/dn balances f but for {:.1e} of it",
             share(self.sizes.residual, self.sizes.value),
-            share(balance, self.integrals.force.abs().max(self.sizes.flux))
+            self.sizes.unbalanced(balance)
         ))
     }
-}
 
-/// An error over a size: zero without an error, as where f and v are zero.
-pub(in crate::spectral) fn share(error: f64, size: f64) -> f64 {
-    if error == 0.0 { 0.0 } else { error / size }
+    /// Checks that dv/dn balances f, whose integral is by f itself.
+    ///
+    /// # Errors
+    /// [`PlaneError`].
+    pub(in crate::spectral) fn check_balance(&self, balance: f64) -> Result<(), PlaneError> {
+        let is_small = 0.1 * self.sizes.unbalanced(balance) < ACCEPTED;
+        if is_small { Ok(()) } else { Err(self.refused(balance)) }
+    }
 }
 
 /// True if all ends of two contact sets are next to each other.
@@ -184,7 +183,7 @@ pub(in crate::spectral) fn search(
     }
     match best {
         Some(best) if best.errors() < ACCEPTED => Ok(best),
-        Some(best) => Err(best.refusal()),
+        Some(best) => Err(best.refused(best.sizes.balance)),
         None => Err(refusal.expect("a level was tried")),
     }
 }
@@ -237,7 +236,6 @@ impl PlaneFound {
         let nodes = boundary_nodes(setup, &fit, &level, POINTS[1]);
         let sizes = Sizes::new(setup, &nodes);
         let signs = PlaneSigns { flux: 0.0, value: 0.0, mended: None };
-        let integrals = Integrals::new(setup, &fit, &nodes);
-        Self { contact: contact.to_vec(), fit, nodes, sizes, signs, integrals, steps: 0, level }
+        Self { contact: contact.to_vec(), fit, nodes, sizes, signs, steps: 0, level }
     }
 }

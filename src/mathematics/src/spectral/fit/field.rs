@@ -41,7 +41,7 @@ impl PlaneNode {
 }
 
 /// Sizes that all checks refer to.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(in crate::spectral) struct Sizes {
     /// Mean of |dv/dn| and of |f| times the area over the perimeter, the larger.
     pub flux: f64,
@@ -49,6 +49,10 @@ pub(in crate::spectral) struct Sizes {
     pub value: f64,
     /// Largest residual.
     pub residual: f64,
+    /// Integral of dv/dn over the boundary.
+    pub force: f64,
+    /// That of dv/dn - dpsi/dn, which is zero but for errors.
+    pub balance: f64,
 }
 
 /// Nodes of the boundary in walking order.
@@ -126,10 +130,22 @@ pub(in crate::spectral) fn node(
     }
 }
 
+/// An error over a size: zero without an error, as where f and v are zero.
+pub(in crate::spectral) fn share(error: f64, size: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { error / size }
+}
+
 impl Sizes {
+    /// Share of the flux that f does not balance.
+    pub(in crate::spectral) fn unbalanced(&self, balance: f64) -> f64 {
+        share(balance.abs(), self.force.abs().max(self.flux))
+    }
+
     pub(in crate::spectral) fn new(setup: &Setup, nodes: &[PlaneNode]) -> Self {
-        let mut sizes = Self { flux: 0.0, value: 0.0, residual: 0.0 };
+        let mut sizes = Self::default();
         for node in nodes {
+            sizes.force += node.spot.weight * node.flux;
+            sizes.balance += node.spot.weight * (node.flux - node.psi_flux);
             sizes.flux += node.spot.weight * node.flux.abs() / setup.perimeter;
             sizes.residual = sizes.residual.max(node.residual.abs());
         }

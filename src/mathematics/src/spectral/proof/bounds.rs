@@ -56,9 +56,9 @@ pub(in crate::spectral) fn bracket(
     setup: &Setup,
     found: &PlaneFound,
 ) -> Result<PlaneBracket, &'static str> {
-    let ([lower, upper], cause) = proved(setup, found)?;
+    let proved = proved(setup, found)?;
     // J(0) = 0.
-    Ok(PlaneBracket { lower, upper: upper.min(0.0), cause })
+    Ok(PlaneBracket { upper: proved.upper.min(0.0), ..proved })
 }
 
 /// Reason for which there is no answer: neither a bracket nor an energy that rounding leaves as it is.
@@ -71,10 +71,7 @@ const ROUGH: f64 = 1e-6;
 ///
 /// # Errors
 /// Step of the proof that does not apply.
-pub(super) fn proved(
-    setup: &Setup,
-    found: &PlaneFound,
-) -> Result<([f64; 2], &'static str), &'static str> {
+pub(super) fn proved(setup: &Setup, found: &PlaneFound) -> Result<PlaneBracket, &'static str> {
     /// Halvings of cells where signs are not certain.
     const ROUNDS: usize = 8;
     let fit = &found.fit;
@@ -117,8 +114,9 @@ pub(super) fn proved(
     ];
     let (cause, _) =
         terms.into_iter().max_by(|one, other| one.1.total_cmp(&other.1)).unwrap_or_default();
-    if both.into_iter().all(f64::is_finite) {
-        Ok((both, cause))
+    let [lower, upper] = both;
+    if lower.is_finite() && upper.is_finite() {
+        Ok(PlaneBracket { energy: exact.energy, lower, upper, cause })
     } else {
         Err("bounds of v next to corners")
     }

@@ -99,8 +99,8 @@ pub(super) struct EllipseCell {
 }
 
 impl CellStretch<'_> {
-    /// Cells of the stretch; none if one would be too short.
-    pub(super) fn cells(&self) -> Option<Vec<EllipseCell>> {
+    /// Cells of the stretch, on the shortest of which functions may have no bound.
+    pub(super) fn cells(&self) -> Vec<EllipseCell> {
         let mut cells = Vec::new();
         let top = self.near.map_or(0.0, |near| near.top);
         if let Some(near) = self.near {
@@ -116,10 +116,10 @@ impl CellStretch<'_> {
         }
         if top < self.length {
             for span in cut([top, self.length], |span| self.cut_at(span)) {
-                cells.push(self.plain_cell(span)?);
+                cells.push(self.plain_cell(span));
             }
         }
-        Some(cells)
+        cells
     }
 
     /// The two halves of a cell.
@@ -128,10 +128,10 @@ impl CellStretch<'_> {
         let near = self.near.filter(|_| cell.is_log);
         let middle = if near.is_some() { (from * to).sqrt() } else { 0.5 * (from + to) };
         let halves = [[from, middle], [middle, to]].map(|span| match near {
-            Some(near) => Some(Self::log_cell(near, span)),
+            Some(near) => Self::log_cell(near, span),
             None => self.plain_cell(span),
         });
-        Some([halves[0]?, halves[1]?])
+        halves.iter().all(EllipseCell::has_bounds).then_some(halves)
     }
 
     fn log_cell(near: Surroundings, span: [f64; 2]) -> EllipseCell {
@@ -162,24 +162,17 @@ impl CellStretch<'_> {
         (length > 1e-12 && (is_long || self.axis(span) < AXES[0])).then_some(at)
     }
 
-    fn plain_cell(&self, span: [f64; 2]) -> Option<EllipseCell> {
+    fn plain_cell(&self, span: [f64; 2]) -> EllipseCell {
         let [from, to] = span;
         let (middle, half, bend) = (0.5 * (from + to), 0.5 * (to - from), self.curvature.abs());
         let axis = self.axis(span);
-        if axis < AXES[0] {
-            return None;
-        }
+        // Without an ellipse all errors are infinite.
+        let axis = if axis < AXES[0] { 1.0 } else { axis };
         let along = axis * half;
         let radius = if bend == 0.0 { along } else { libm::expm1(bend * along) / bend };
         let disc = Disc { centre: self.track.at(middle), radius, inner: 0.0 };
         let distances = [middle - along, middle + along];
-        Some(EllipseCell {
-            span,
-            is_log: false,
-            rho: axis + (axis * axis - 1.0).sqrt(),
-            disc,
-            distances,
-        })
+        EllipseCell { span, is_log: false, rho: axis + (axis * axis - 1.0).sqrt(), disc, distances }
     }
 }
 
@@ -208,6 +201,11 @@ impl ProofCell {
 }
 
 impl EllipseCell {
+    /// True if functions on it have bounds.
+    pub(super) fn has_bounds(&self) -> bool {
+        self.rho > 1.0
+    }
+
     /// Distances from the end and weights of a Gauss rule.
     pub(super) fn nodes(&self, rule: &[GaussNode]) -> Vec<[f64; 2]> {
         let [from, to] = self.span;

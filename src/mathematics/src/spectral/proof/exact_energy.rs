@@ -8,11 +8,16 @@
 use super::Proof;
 use super::cells::POINTS;
 use super::green::{HarmonicFit, HarmonicNode};
+use super::integrals::Integrals;
 use super::moduli::{Moduli, of_f};
 use super::samples::Sampled;
 use crate::problem::complex::Complex;
-use crate::spectral::fit::energy::Integrals;
-use crate::spectral::geometry::boundary::{JoinedCrossing, JoinedPiece, PlaneCrossing, State};
+use crate::spectral::fit::Fit;
+use crate::spectral::fit::field::PlaneNode;
+use crate::spectral::geometry::boundary::{
+    JoinedCrossing, JoinedPiece, PlaneCrossing, State, Walk,
+};
+use crate::spectral::setup::Setup;
 use crate::spectral::source::psi::Psi;
 
 /// Energy with a bound of its error.
@@ -49,25 +54,17 @@ pub(super) fn bounded_energy(
     sum.most_g = 2.0 * g.fold(0.0, f64::max);
     for (own, h) in samples.iter().zip(harmonic.moduli(samples)) {
         let nodes = harmonic.on(own, h);
-        let integrals = Integrals::on_boundary(proof.setup, proof.fit, &own.nodes).completed();
+        let integrals = Integrals::on_boundary(proof.setup, proof.fit, &own.nodes);
         let green: f64 = own.nodes.iter().zip(&nodes).map(|(v, h)| h.term(v)).sum();
-        sum.energy += integrals.energy + green;
+        sum.energy += integrals.energy() + green;
         sum.add_balance(proof, own, integrals);
         sum.add_rounding(proof, own, &nodes);
         sum.error += own.own.cell.gauss_error(modulus(proof, own, h));
         largest = largest.max(h.value + h.slope);
     }
-    for group in &proof.setup.jumps.groups {
-        for edge in &group.edges {
-            sum.add_edge(proof.setup, group, edge)?;
-        }
-        sum.add_moved(proof.setup, group);
-    }
-    for piece in proof.fit.walk.joined_pieces() {
-        sum.add_joined(proof, piece);
-    }
-    for own in &proof.fit.walk.joined {
-        sum.add_gap(proof, own);
+    sum.add_source(proof.setup, &proof.fit.walk);
+    if !sum.error.is_finite() {
+        return Err("psi on jumps of f");
     }
     for own in left {
         sum.unbalanced += own.variation;
@@ -77,6 +74,14 @@ pub(super) fn bounded_energy(
     sum.error += 0.5 * (sum.cells + POINTS + 64) as f64 * f64::EPSILON * sum.terms;
     // If f on the boundary or along a jump were not that of psi, this would not be zero.
     if sum.balance.abs() > sum.unbalanced { Err("f") } else { Ok(sum) }
+}
+
+/// Energy of a fit by points of the boundary, with no bound of its error, and the integral of dv/dn plus that of f.
+pub(in crate::spectral) fn unproved(setup: &Setup, fit: &Fit, nodes: &[PlaneNode]) -> [f64; 2] {
+    let mut sum = BoundedEnergy::default();
+    sum.add_source(setup, &fit.walk);
+    let integrals = Integrals::on_boundary(setup, fit, nodes);
+    [sum.energy + integrals.energy(), sum.balance + integrals.force + integrals.source]
 }
 
 /// Boundary closer to a split than all cells, on one side.
@@ -152,8 +157,8 @@ fn modulus(proof: &Proof, own: &Sampled, h: Moduli) -> f64 {
 
 /// Bounds of the integrand of the energy that belongs to a change of f by 1 at a point of the boundary, and of its
 /// change over a distance along a side there.
-fn per_change(proof: &Proof, z: Complex, f: f64, distance: f64) -> [f64; 2] {
-    let (setup, psi) = (proof.setup, &proof.setup.jumps.psi);
+fn per_change(setup: &Setup, z: Complex, f: f64, distance: f64) -> [f64; 2] {
+    let psi = &setup.jumps.psi;
     let (far, size) = ((z - setup.centre).norm(), setup.diameter);
     let (value, slope) = (psi.value(z).abs(), psi.gradients(&[z])[0].norm());
     // The second derivatives of psi are integrals of 1 / |w - z| along the jumps, J / 2 pi times.
@@ -208,32 +213,42 @@ impl BoundedEnergy {
         self.unbalanced += cell.gauss_error(modulus + 1.8 * of_source * scale);
     }
 
+    /// Adds the integrals along all jumps of f, and where these end beside the splits of a walk.
+    fn add_source(&mut self, setup: &Setup, walk: &Walk) {
+        for group in &setup.jumps.groups {
+            group.edges.iter().for_each(|edge| self.add_edge(setup, group, edge));
+            self.add_moved(setup, group);
+        }
+        walk.joined_pieces().into_iter().for_each(|piece| self.add_joined(setup, walk, piece));
+        walk.joined.iter().for_each(|own| self.add_gap(setup, walk, own));
+    }
+
     /// Adds a piece between a crossing and the split with which it is joined.
-    fn add_joined(&mut self, proof: &Proof, piece: JoinedPiece) {
-        let split = &proof.fit.walk.splits[piece.split];
+    fn add_joined(&mut self, setup: &Setup, walk: &Walk, piece: JoinedPiece) {
+        let split = &walk.splits[piece.split];
         let mut sums = Integrals::default();
-        sums.add_joined(proof.setup, &proof.fit.walk, piece);
-        self.energy += sums.completed().energy;
+        sums.add_joined(setup, walk, piece);
+        self.energy += sums.energy();
         self.balance += sums.source;
         let (length, f) = (piece.length(), piece.f.abs() + piece.counted.abs());
         let change = (piece.f - piece.counted).abs();
-        let [integrand, moved] = per_change(proof, split.z, f, 2.0 * length);
-        let off = 8.0 * f64::EPSILON * proof.setup.perimeter;
+        let [integrand, moved] = per_change(setup, split.z, f, 2.0 * length);
+        let off = 8.0 * f64::EPSILON * setup.perimeter;
         self.error += change * ((integrand + moved) * off + length * moved);
-        self.unbalanced += change * proof.setup.diameter * (off + length * length);
+        self.unbalanced += change * setup.diameter * (off + length * length);
     }
 
     /// Adds what is between the end of a jump and the crossing, by which neither f on its left nor on its right has a
     /// closed boundary.
-    fn add_gap(&mut self, proof: &Proof, own: &JoinedCrossing) {
+    fn add_gap(&mut self, setup: &Setup, walk: &Walk, own: &JoinedCrossing) {
         let PlaneCrossing { change, gap, .. } = own.crossing;
-        let split = &proof.fit.walk.splits[own.split];
-        let mut intervals = proof.fit.walk.intervals.iter();
+        let split = &walk.splits[own.split];
+        let mut intervals = walk.intervals.iter();
         let beside = intervals.find(|interval| interval.splits[0] == own.split);
         let f = beside.map_or(0.0, |interval| 2.0 * (interval.f.abs() + change.abs()));
-        let [integrand, moved] = per_change(proof, split.z, f, gap + own.offset.abs());
+        let [integrand, moved] = per_change(setup, split.z, f, gap + own.offset.abs());
         self.error += change.abs() * gap * (integrand + moved);
-        self.unbalanced += change.abs() * gap * proof.setup.diameter;
+        self.unbalanced += change.abs() * gap * setup.diameter;
     }
 
     /// Adds the error of the integrals of a cell by rounding of v, psi and their slopes.

@@ -1,7 +1,7 @@
 //! A harmonic function h of few terms next to `g = v - psi`, by which rounding errors of v count less in the energy.
 //!
 //! By Green's second identity `oint h_n g - h g_n = 0`, where the index n is the derivative along the normal. With half
-//! of this integral the energy by the integrals of [`energy`](crate::spectral::fit::energy) is the same, but its
+//! of this integral the energy by the [`integrals`](super::integrals) is the same, but its
 //! derivatives by v and by dv/dn, `-g_n / 2` and `g / 2`, become those of g - h.
 
 use super::cells::ProofCell;

@@ -2,9 +2,9 @@
 
 use super::cells::{CellStretch, EllipseCell, POINTS, Singular, Surroundings, Track};
 use super::exact_energy::BoundedEnergy;
-use super::moduli::{Moduli, of_psi};
+use super::integrals::Integrals;
+use super::moduli::{Moduli, TOUCHES, of_psi};
 use crate::problem::complex::Complex;
-use crate::spectral::fit::energy::Integrals;
 use crate::spectral::geometry::curve::{Arc, ROUNDING};
 use crate::spectral::geometry::rule::gauss;
 use crate::spectral::setup::Setup;
@@ -12,13 +12,8 @@ use crate::spectral::source::groups::{GroupEdge, JumpGroup, PieceSide};
 use crate::spectral::source::psi::Psi;
 
 impl BoundedEnergy {
-    /// Adds the integrals along a jump of f.
-    pub(super) fn add_edge(
-        &mut self,
-        setup: &Setup,
-        group: &JumpGroup,
-        own: &GroupEdge,
-    ) -> Result<(), &'static str> {
+    /// Adds the integrals along a jump of f; the error is infinite if psi beside it has no bound.
+    pub(super) fn add_edge(&mut self, setup: &Setup, group: &JumpGroup, own: &GroupEdge) {
         /// Part of a jump, over its longest cell in log r, that is left out at an end.
         const LEFT: f64 = 1e-24;
         let singular = Singular { psi: &group.psi, points: Vec::new() };
@@ -31,22 +26,23 @@ impl BoundedEnergy {
                 .min(setup.diameter);
             let top = (0.2 * reach).min(half);
             let near = Surroundings { centre, top, least: LEFT * top, reach };
+            // On the boundary another jump may end at the same point.
+            let is_singular = vertex.is_some() || singular.room(centre, None) < TOUCHES;
             let stretch = CellStretch {
                 track: Track::Curve(curve, from, way),
                 singular: &singular,
                 curvature: curve.curvature,
                 length: half,
                 longest: 0.25 * setup.diameter,
-                near: vertex.map(|_| near),
+                near: is_singular.then_some(near),
             };
-            for cell in stretch.cells().ok_or("psi on jumps of f")? {
+            for cell in stretch.cells() {
                 let size = self.add_cell(group, own, [from, way], &cell);
                 if cell.is_log && cell.span[0] <= 1.01 * near.least {
                     self.error += near.least * size;
                 }
             }
         }
-        Ok(())
     }
 
     /// Adds the error of the energy if all of a small shape is off by rounding of coordinates: the integral of f on it
@@ -82,7 +78,7 @@ impl BoundedEnergy {
         let mut sums = Integrals::default();
         let (values, gradients) = (group.psi.values(&points), group.psi.gradients(&points));
         sums.add_jump(own, [&points, &normals], (&values, &gradients));
-        self.energy += sums.completed().energy;
+        self.energy += sums.energy();
         self.balance += sums.source;
         self.cells += 1;
         self.add_jump_rounding((group, own), [&points, &normals], (&values, &gradients));

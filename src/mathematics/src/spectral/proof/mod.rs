@@ -95,6 +95,7 @@ mod cells;
 mod exact_energy;
 mod extension;
 mod green;
+mod integrals;
 mod jump_energy;
 mod moduli;
 mod on_cells;
@@ -109,12 +110,15 @@ use crate::problem::complex::Complex;
 use crate::spectral::source::groups::{JumpGroup, beside_edge};
 pub(super) use bounds::{ROUNDED, bracket};
 use cells::{CellStretch, ProofCell, Singular, Surroundings, Track};
+pub(super) use exact_energy::unproved;
 use extension::{Chord, share};
 use std::f64::consts::PI;
 
 /// Two bounds of the energy, guaranteed but for the model of rounding errors on this page.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlaneBracket {
+    /// The energy by the same integrals, between both.
+    pub energy: f64,
     /// Lower bound.
     pub lower: f64,
     /// Upper bound, at most zero.
@@ -124,10 +128,21 @@ pub(crate) struct PlaneBracket {
 }
 
 impl PlaneBracket {
-    /// Distance of the bounds over an energy.
-    pub(crate) fn relative(&self, energy: f64) -> f64 {
+    /// Lower and upper bound.
+    pub(crate) fn ends(&self) -> [f64; 2] {
+        [self.lower, self.upper]
+    }
+
+    /// Distance of the bounds over the energy.
+    pub(crate) fn relative(&self) -> f64 {
         let width = self.upper - self.lower;
-        if width > 0.0 { width / energy.abs() } else { 0.0 }
+        if width > 0.0 { width / self.energy.abs() } else { 0.0 }
+    }
+
+    /// All in another unit of the energy.
+    pub(crate) fn scaled(self, unit: f64) -> Self {
+        let Self { energy, lower, upper, cause } = self;
+        Self { energy: unit * energy, lower: unit * lower, upper: unit * upper, cause }
     }
 }
 
@@ -244,12 +259,14 @@ impl<'a> Proof<'a> {
         let mut cells = Vec::new();
         for interval in 0..self.fit.walk.intervals.len() {
             for side in [0, 1] {
-                let own = self.stretch(interval, side).cells();
-                let own = own.ok_or("v next to singular points behind the boundary")?;
-                cells.extend(own.into_iter().map(|cell| ProofCell { interval, side, cell }));
+                let own = self.stretch(interval, side).cells().into_iter();
+                cells.extend(own.map(|cell| ProofCell { interval, side, cell }));
             }
         }
-        Ok(cells)
+        match cells.iter().all(|own| own.cell.has_bounds()) {
+            true => Ok(cells),
+            false => Err("v next to singular points behind the boundary"),
+        }
     }
 
     /// The halves of a cell.

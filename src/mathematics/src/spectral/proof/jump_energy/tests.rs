@@ -19,7 +19,7 @@ fn work(setup: &Setup) -> f64 {
     let mut sum = BoundedEnergy::default();
     let group = &setup.jumps.groups[2];
     assert_eq!(setup.jumps.groups.len(), 3);
-    sum.add_edge(setup, group, &group.edges[0]).unwrap();
+    sum.add_edge(setup, group, &group.edges[0]);
     -2.0 * sum.energy
 }
 
@@ -50,7 +50,7 @@ fn a_border_that_is_off_changes_the_energy_by_no_more_than_is_said() {
         let group = &mut own.jumps.groups[2];
         group.off = off;
         let mut sum = BoundedEnergy { most_g: 0.25, ..BoundedEnergy::default() };
-        sum.add_edge(&own, &own.jumps.groups[2], &own.jumps.groups[2].edges[0]).unwrap();
+        sum.add_edge(&own, &own.jumps.groups[2], &own.jumps.groups[2].edges[0]);
         sum.error
     });
     sums[1] -= sums[0];

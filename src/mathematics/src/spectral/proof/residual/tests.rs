@@ -36,7 +36,7 @@ fn in_order(proof: &Proof, samples: &[Sampled], ring: usize) -> Vec<usize> {
 
 #[test]
 fn both_ends_of_the_law_are_asked() {
-    let all_sizes = Sizes { flux: 1.0, value: 1.0, residual: 0.0 };
+    let all_sizes = Sizes { flux: 1.0, value: 1.0, ..Sizes::default() };
     // The flux is -1/2 under friction up to 0.6, and 1/2 under a limit of 0.6.
     for (name, sizes) in [("disc under friction", [0.3, -0.3]), ("disc under a limit", [0.3, -0.3])]
     {

@@ -38,7 +38,7 @@ fn brackets_with_ends_of_contact_hold_the_energy_of_the_closed_form() {
     let splits = found.fit.walk.splits.iter().enumerate();
     let ends: Vec<usize> = splits.filter(|(_, own)| own.end.is_some()).map(|(k, _)| k).collect();
     assert_eq!(ends.len(), 2);
-    let ([lower, upper], _) = proved(&setup, &found).unwrap();
+    let [lower, upper] = proved(&setup, &found).unwrap().ends();
     let unit = 1e-14 * energy.abs();
     assert!(lower <= energy + unit && energy - unit <= upper, "{lower} {upper}");
     assert!(upper - lower < 1e-10 * energy.abs(), "{lower} {upper}");
@@ -49,7 +49,7 @@ fn brackets_with_ends_of_contact_hold_the_energy_of_the_closed_form() {
             spoiling.spoil(&mut found.fit);
             let fit = std::mem::replace(&mut found.fit, kept);
             let spoilt = PlaneFound::known(&setup, &found.contact, fit);
-            let (bounds, _) = proved(&setup, &spoilt).unwrap();
+            let bounds = proved(&setup, &spoilt).unwrap().ends();
             check(&format!("{spoiling:?}"), bounds, energy);
             let width = (bounds[1] - bounds[0]) / (c * c);
             assert!((0.1..1e7).contains(&width), "{spoiling:?}: {width}");

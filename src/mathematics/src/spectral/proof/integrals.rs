@@ -5,19 +5,19 @@
 //! int f v = int f psi + oint (psi l - v psi_n),     int f psi for each piece of f by a quadratic function:
 //! J(v)    = 1/2 oint v l - 1/2 int f v - int over gaps of q v.
 //! ```
-//! on the boundary by `|x|^2 / 4` from the middle of the domain, along jumps by [`quadratic`].
+//! on the boundary by `|x|^2 / 4` from the middle of the domain, along jumps by
+//! [`quadratic`](crate::spectral::source::quadratic).
 //!
 //! A crossing of f that is joined with a split has f of another interval on the piece between both; the change is
 //! added, by the integrand in the middle of the piece ([`JoinedPiece`]).
 //!
-//! J(v) less the integral of v l where v should be zero has an error that is quadratic in the residual.
+//! J(v) less the integral of v l where v should be zero, which is called the energy, has an error that is quadratic in
+//! the residual.
 
-use super::field::PlaneNode;
 use crate::problem::complex::Complex;
 use crate::spectral::fit::Fit;
+use crate::spectral::fit::field::PlaneNode;
 use crate::spectral::geometry::boundary::{JoinedPiece, State, Walk};
-use crate::spectral::geometry::curve::Arc;
-use crate::spectral::geometry::rule::{GaussNode, gauss, halved};
 use crate::spectral::setup::Setup;
 use crate::spectral::source::groups::{GroupEdge, PieceSide};
 use crate::spectral::source::psi::Psi;
@@ -25,19 +25,15 @@ use crate::spectral::source::quadratic::Quadratic;
 
 /// Integrals.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::spectral) struct Integrals {
-    /// J(v), less the integral of v l where v should be zero.
-    pub energy: f64,
-    /// J(v).
-    pub plain: f64,
+pub(super) struct Integrals {
     /// Integral of f.
     pub source: f64,
     /// Integral of dv/dn over the boundary.
     pub force: f64,
     /// Integral of f v.
-    pub work: f64,
+    work: f64,
     /// Integral of v dv/dn over the boundary.
-    pub flux_work: f64,
+    flux_work: f64,
     /// That where v should be zero.
     held: f64,
     /// Integral of q v where dv/dn should be q.
@@ -45,17 +41,8 @@ pub(in crate::spectral) struct Integrals {
 }
 
 impl Integrals {
-    pub(in crate::spectral) fn new(setup: &Setup, fit: &Fit, nodes: &[PlaneNode]) -> Self {
-        let mut sums = Self::on_boundary(setup, fit, nodes);
-        sums.add_jumps(setup);
-        for piece in fit.walk.joined_pieces() {
-            sums.add_joined(setup, &fit.walk, piece);
-        }
-        sums.completed()
-    }
-
     /// The part of the boundary.
-    pub(in crate::spectral) fn on_boundary(setup: &Setup, fit: &Fit, nodes: &[PlaneNode]) -> Self {
+    pub(super) fn on_boundary(setup: &Setup, fit: &Fit, nodes: &[PlaneNode]) -> Self {
         let mut sums = Self::default();
         let all = Quadratic::round(setup.centre);
         for node in nodes {
@@ -87,20 +74,13 @@ impl Integrals {
         sums
     }
 
-    /// With the energy, from all other integrals.
-    pub(in crate::spectral) fn completed(mut self) -> Self {
-        self.plain = 0.5 * self.flux_work - 0.5 * self.work - self.slipping;
-        self.energy = self.plain - self.held;
-        self
+    /// J(v), less the integral of v l where v should be zero.
+    pub(super) fn energy(&self) -> f64 {
+        0.5 * self.flux_work - 0.5 * self.work - self.slipping - self.held
     }
 
     /// Adds what f beside a piece changes in the part of the boundary.
-    pub(in crate::spectral) fn add_joined(
-        &mut self,
-        setup: &Setup,
-        walk: &Walk,
-        piece: JoinedPiece,
-    ) {
+    pub(super) fn add_joined(&mut self, setup: &Setup, walk: &Walk, piece: JoinedPiece) {
         let (JoinedPiece { f, counted, span: [from, to], .. }, length) = (piece, piece.length());
         let split = &walk.splits[piece.split];
         let ring = &setup.rings[split.ring];
@@ -112,32 +92,9 @@ impl Integrals {
         self.add_side(PieceSide::of_jump(Quadratic::round(setup.centre), [f, counted]), own);
     }
 
-    fn add_jumps(&mut self, setup: &Setup) {
-        let rule = gauss(32);
-        for group in &setup.jumps.groups {
-            for own in &group.edges {
-                let curve = own.edge.arc.curve;
-                let (mut points, mut normals) = (Vec::new(), Vec::new());
-                for [from, to] in pieces(setup, group.middle, own.edge.arc) {
-                    for &GaussNode { x, weight } in rule {
-                        // Short steps at both ends.
-                        let part = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
-                        let slope = 30.0 * x * x * (1.0 - x) * (1.0 - x);
-                        let s = from + (to - from) * part;
-                        points.push(curve.at(s));
-                        let length = weight * slope * (to - from);
-                        normals.push((-curve.direction(s).turned()).scaled(length));
-                    }
-                }
-                let (values, gradients) = (group.psi.values(&points), group.psi.gradients(&points));
-                self.add_jump(own, [&points, &normals], (&values, &gradients));
-            }
-        }
-    }
-
     /// Adds the part of a jump, by points with normals to the right as long as their weights, and psi with its
     /// gradients there.
-    pub(in crate::spectral) fn add_jump(
+    pub(super) fn add_jump(
         &mut self,
         edge: &GroupEdge,
         [points, normals]: [&[Complex]; 2],
@@ -174,21 +131,4 @@ impl BorderPoint {
     fn new(psi: f64, gradient: Complex, z: Complex, normal: Complex) -> Self {
         Self { z, normal, psi, psi_flux: gradient.dot(normal) }
     }
-}
-
-/// Pieces of an edge of a group, short next to singular points of psi.
-fn pieces(setup: &Setup, middle: Complex, arc: Arc) -> Vec<[f64; 2]> {
-    // No shorter than this, in lengths of the edge if that is short.
-    let least = 1e-9 * (arc.span[1] - arc.span[0]).abs().min(1.0);
-    let ends = arc.span.map(|s| arc.curve.at(s));
-    let singular = setup.jumps.singular.iter().map(|&z| z - middle);
-    let others: Vec<Complex> =
-        singular.filter(|z| ends.iter().all(|end| (*z - *end).norm() > 0.1 * least)).collect();
-    halved(arc.span, |[from, to]| {
-        let middle = arc.curve.at(0.5 * (from + to));
-        let length = to - from;
-        length > least
-            && (length * arc.curve.curvature > 1.6
-                || others.iter().any(|&z| length > (z - middle).norm()))
-    })
 }
