@@ -254,7 +254,7 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
     });
     let more = json!({
         "text": std::str::from_utf8(text)?,
-        "command": write::lines("cargo run --release --", &picture_command(scene), COMMAND_WIDTH),
+        "command": picture_command(scene),
         "is_papers_law": scene.statement.law.is_none(),
         // Share of the boundary under the law on which v is held at zero, of a scene with a map.
         "held": held.transpose()?,
@@ -268,15 +268,10 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
     Ok(extended(scene, more))
 }
 
-/// Most columns of a command on a page.
-const COMMAND_WIDTH: usize = 86;
-
-/// Returns the words of the command that solves a scene and draws its map.
-fn picture_command(scene: &Scene) -> Vec<String> {
-    let mut words = write::command(&scene.statement);
-    words.remove(0);
-    words.extend(["--map".to_owned(), format!("--out target/{}.svg", scene.name)]);
-    words
+/// Returns the command that solves a scene and draws its map.
+fn picture_command(scene: &Scene) -> String {
+    let words = write::command(&scene.statement)[1..].join(" ");
+    format!("cargo run --release -- {words} --map --out target/{}.svg", scene.name)
 }
 
 /// Returns all figures by their names: the file in the book's folder `figures`, and the path in the book of its data,
