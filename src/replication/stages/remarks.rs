@@ -49,8 +49,8 @@ pub(crate) fn remarks(scene: &Scene, artifact: impl Fn(&str) -> Option<Vec<u8>>)
     lines
 }
 
-/// Returns the name of a member of a scene, empty if there is one alone, and what shows its end: the command that solves
-/// it or, of a study, the table.
+/// Returns the name of a member of a scene, empty if there is one alone, and what shows its end: the command that
+/// solves it or, of a study, the table.
 fn named(scene: &Scene, member: &Member) -> (String, String) {
     let mut command = format!("signorini solve {}", in_shell(&scene.name));
     if scene.is_study {
