@@ -213,11 +213,10 @@ fn refuse_replaced<'a>(
     made: impl Iterator<Item = &'a String>,
 ) -> Result<(), Failure> {
     // A page is made of its template.
-    let own = |name: &&str| {
-        !templates.contains_key(*name) && !templates.contains_key(&format!("{name}.tera"))
-    };
-    let made = made.filter_map(|name| name.strip_prefix("src/")).filter(own);
-    let made: BTreeSet<&str> = made.collect();
+    let mut made: BTreeSet<&str> = made.filter_map(|name| name.strip_prefix("src/")).collect();
+    made.retain(|&name| {
+        !templates.contains_key(name) && !templates.contains_key(&format!("{name}.tera"))
+    });
     let users = files.keys().filter_map(|name| name.strip_prefix("src/"));
     match users.chain(templates.keys().map(String::as_str)).find(|name| made.contains(name)) {
         None => Ok(()),

@@ -263,6 +263,8 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         "exact": exact,
         // Bound of the error over the solution, if it is less than that.
         "relative": bounds.as_ref().map(Bounds::relative).filter(|&error| error < 1.0),
+        // The finest level; none for the spectral solver.
+        "level": numbers.levels().pop().filter(|level| level.nodes.is_some()),
         "energy": numbers.shown_energy(5),
     });
     Ok(extended(scene, more))
