@@ -9,7 +9,7 @@ use crate::replication::fields::table::Voice;
 use crate::replication::mesh_files::path_of;
 use crate::replication::numbers::Numbers;
 use crate::replication::scene::Scene;
-use crate::replication::stages::study::AskedNumbers;
+use crate::replication::stages::solve::numbers;
 use crate::replication::study::Study;
 use crate::table::Table;
 use crate::timing::median::{MedianTime, time};
@@ -55,16 +55,16 @@ pub(super) fn bench(args: &BenchArgs) -> Result<u8> {
         Some(name) => super::scene(name)?,
         None => super::scene("race").or_else(|_| Scene::parse("race", RACE))?,
     };
-    let Some(study) = scene.study.clone() else {
+    if !scene.is_study {
         let text =
             format!("scene `{}` varies nothing; add `vary` to it, or name another", scene.name);
         return Err(Error::input(text));
-    };
+    }
     let machine = Machine::here(repeats);
     if let Some(warning) = machine.busy() {
         talk(&warning);
     }
-    let (study, timed) = measured(study, &scene.files, repeats)?;
+    let (study, timed) = measured(scene.study.clone(), &scene.files, repeats)?;
     if args.json {
         say_json(&json!({ "machine": machine, "rows": rows(&study, &timed) }))?;
     } else {
@@ -88,12 +88,10 @@ fn measured(mut study: Study, files: &InputFiles, repeats: usize) -> Result<(Stu
     let (_at_work, interrupt) = (at_work(), interrupted());
     let mut timed = Vec::new();
     for member in &study.members {
-        let asked = AskedNumbers { statement: member.statement.clone() };
-        let numbers = match interrupt.is_asked() {
-            true => break,
-            false => asked.numbers(Voice::Keys, files, interrupt.flag()),
-        };
-        let numbers = match numbers {
+        if interrupt.is_asked() {
+            break;
+        }
+        let numbers = match numbers((&member.statement, Voice::Keys), files, interrupt.flag()) {
             Err(Error::Interrupted) => break,
             numbers => numbers?,
         };

@@ -7,6 +7,7 @@ use crate::pipeline::{Artifacts, Inputs, Made, Task};
 use crate::replication::paper::Paper;
 use crate::replication::project::Project;
 use crate::replication::stages::figures::{drawing, made};
+use crate::replication::stages::members::id_of;
 use crate::replication::stages::{study, to_json};
 use crate::replication::study::Study;
 use crate::table::rows::{Row, Rows};
@@ -238,18 +239,16 @@ pub(super) fn tasks(project: &Project) -> Vec<Task> {
     let ([Some(counts), Some(sweeps)], [first, ..]) = (scenes, &project.problems()[..]) else {
         return Vec::new();
     };
-    let [Some(of_counts), Some(of_sweeps)] = [counts, sweeps].map(|scene| scene.study.clone())
-    else {
-        return Vec::new();
-    };
     let asked = AskedClaims {
-        counts: of_counts,
-        sweeps: of_sweeps,
+        counts: counts.study.clone(),
+        sweeps: sweeps.study.clone(),
         published: project.paper.clone(),
         grids: first.grids().len(),
     };
-    let needs = [counts, sweeps].map(|scene| study::members(scene).map(|(_, task)| task));
-    let [counts, sweeps] = needs.map(Iterator::collect::<Vec<_>>);
+    let [counts, sweeps] = [counts, sweeps].map(|scene| {
+        let members = scene.study.members.iter();
+        members.map(|member| id_of(scene, member)).collect::<Vec<_>>()
+    });
     let all = [counts.clone(), sweeps].concat();
     vec![
         Task::new(super::id("claims"), &asked, all, AskedClaims::judged),
