@@ -16,8 +16,8 @@
 //! The ends of the arcs that stick are moved by Newton's method, one division each (`contact::newton`); where a sign is
 //! wrong a gap is opened or an arc inserted (`contact::signs`), first on a coarse level, then on fine ones
 //! (`contact::search`). The energy is a sum of integrals over the boundary and the jumps of f, with an error that is
-//! quadratic in the residual (`proof::integrals`); two bounds follow from how the conditions are missed, which is proved
-//! between points too (`proof`).
+//! quadratic in the residual (`proof::integrals`); two bounds follow from how the conditions are missed, which is
+//! proved between points too (`proof`).
 //!
 //! # Rooms
 //! `geometry`, `source` (f with psi), `functions`, `fit`, `contact`, `proof`. `on_mesh` makes a `problem` of a mesh,
