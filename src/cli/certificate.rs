@@ -4,21 +4,22 @@
 mod contents;
 mod machine;
 
-use super::diff::comparisons;
-use super::output::{is_there, refuse_tilde, say, talk};
+use super::diff::{comparisons, in_markdown_with_total, total};
+use super::output::{is_there, paragraph, refuse_tilde, say, talk};
 use super::pipeline::{Scope, Workplace, edited};
 use super::{CacheArgs, current_folder};
 use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::files::{folder_of, temporary_folder};
 use crate::pipeline::names::refuse_forbidden;
 use crate::pipeline::place::{TAKEN, place};
-use crate::pipeline::{InputFiles, LockFile, Plan, Summary, hash};
+use crate::pipeline::{LockFile, Plan, Summary, hash};
 use crate::replication::comparison::TableComparison;
-use crate::replication::stages::{files_of, report};
+use crate::replication::project::Project;
+use crate::replication::stages::files_of;
 use crate::table::{code_in_markdown, in_markdown};
 use crate::timing::machine::COMPILER;
 use clap::Args;
-use contents::{File, differing, files, inputs, reservations, sentences};
+use contents::{File, files, inputs, reservations};
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -64,7 +65,6 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     let tables = comparisons(&workplace, &summary.manifests)?;
     let files = files(&workplace, &summary, &tables)?;
     let mut context = context(&workplace, &summary, &tables, &files)?;
-    context.insert("inputs", &hashes(&read)?);
     context.insert("reviewer", name);
     context.insert("is_named", &(name != NOBODY));
     let count = files.len();
@@ -78,15 +78,8 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     let lines: Vec<String> = written.map(|name| shown.join(name).display().to_string()).collect();
     say(&(lines.join("\n") + "\n"))?;
     talk(&format!("{count} files with their hashes"));
-    for table in &tables {
-        talk(&format!(
-            "Table {}: {} of {} counts exact, {} of {} Delta a to the printed digits",
-            table.table,
-            table.exact,
-            table.cells,
-            table.delta_a_exact,
-            table.rows.len()
-        ));
+    if !tables.is_empty() {
+        talk(&paragraph(&total(&tables)));
     }
     Ok(0)
 }
@@ -148,9 +141,10 @@ fn bundle(
     files
 }
 
-/// Returns the paths of files, each with its hash.
-fn hashes(files: &InputFiles) -> Result<Vec<(&str, &str)>> {
-    files.iter().map(|(path, file)| Ok((&**path, file.hash()?))).collect()
+/// Returns a sentence with the scenes of a run of which no table is compared.
+fn scenes(project: &Project) -> String {
+    let names: Vec<_> = project.scenes.iter().map(|scene| scene.name.as_str()).collect();
+    format!("Scenes: {}. No published table is compared.", names.join(", "))
 }
 
 const MANIFEST: &str = "codecheck.yml";
@@ -205,7 +199,7 @@ fn context(
     let lock = LockFile::path(&project.root);
     let lock_file = &summary.lock_file;
     let reservations = if is_compared { reservations(project) } else { Vec::new() };
-    let sentences = sentences(project, tables);
+    let sentences = if is_compared { total(tables) + "." } else { scenes(project) };
     let name = match is_compared {
         true => format!("Replication of {AUTHOR}, {TITLE}"),
         false => "A run of signorini".into(),
@@ -222,9 +216,8 @@ fn context(
         "commands": commands.collect::<Vec<_>>(),
         "time": machine::check_time()?,
         "machine": machine::description(),
-        "libraries": report::versions(),
-        "tables": tables,
-        "differing": tables.iter().flat_map(differing).collect::<Vec<_>>(),
+        "tables": in_markdown_with_total(project, tables),
+        "is_compared": is_compared,
         "name": name,
         "description": format!("{sentences} {}", reservations.join(" ")).trim_end(),
         "summary": sentences,

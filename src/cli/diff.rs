@@ -60,22 +60,13 @@ pub(super) fn diff(args: &DiffArgs) -> Result<u8> {
     if args.json {
         say_json(&DiffJson { schema: 1, tables: &tables })?;
     } else {
-        let print = match (args.md, args.tex) {
-            (true, _) => markdown,
-            (_, true) => tex,
-            _ => text,
-        };
-        let mut shown = Vec::new();
-        for table in &tables {
-            shown.push(print(table, &grids(&workplace.project, table)));
-        }
-        let total = total(&tables).replace('\n', "; ");
-        shown.push(match (args.md, args.tex) {
-            (true, _) => total + "\n",
-            (_, true) => format!("% {total}\n"),
-            _ => legend(&tables),
-        });
-        say(&shown.join("\n"))?;
+        say(&match (args.md, args.tex) {
+            (true, _) => in_markdown_with_total(&workplace.project, &tables),
+            (_, true) => {
+                shown(&workplace.project, &tables, tex) + &format!("% {}\n", total(&tables))
+            }
+            _ => shown(&workplace.project, &tables, text) + &legend(&tables),
+        })?;
     }
     Ok(u8::from(!Tables(&tables).hold()))
 }
@@ -97,6 +88,20 @@ pub(super) fn comparisons(
     Ok(tables)
 }
 
+/// Returns the tables, each as `print` has it with the names of its grids, with an empty line behind each.
+fn shown(
+    project: &Project,
+    tables: &[TableComparison],
+    print: fn(&TableComparison, &[String]) -> String,
+) -> String {
+    tables.iter().map(|table| print(table, &grids(project, table)) + "\n").collect()
+}
+
+/// Returns the tables in Markdown, and how many numbers agree.
+pub(super) fn in_markdown_with_total(project: &Project, tables: &[TableComparison]) -> String {
+    shown(project, tables, markdown) + &total(tables) + "\n"
+}
+
 /// Returns the names of the grids of a table, coarsest first.
 fn grids(project: &Project, table: &TableComparison) -> Vec<String> {
     let scene = project.scenes.iter().find(|scene| scene.name == table.scene);
@@ -106,12 +111,12 @@ fn grids(project: &Project, table: &TableComparison) -> Vec<String> {
 }
 
 /// Returns how many numbers agree, and whether all are within their tolerances.
-fn total(tables: &[TableComparison]) -> String {
+pub(super) fn total(tables: &[TableComparison]) -> String {
     let verdict = match Tables(tables).hold() {
         true => "every number is within the tolerance of its table",
         false => "not every number is within the tolerance of its table",
     };
-    format!("{}\n{verdict}", Tables(tables))
+    format!("{}; {verdict}", Tables(tables))
 }
 
 /// Returns the meaning of the marks, and the total.
@@ -121,7 +126,7 @@ fn legend(tables: &[TableComparison]) -> String {
     let capped = if any_capped { ", > cut off by max_iterations" } else { "" };
     let marks = paragraph(&format!("= exact, ~ within tolerance, ! outside{capped}"));
     let marks = coloured(&marks);
-    format!("{marks}\n{}\n", paragraph(&total(tables)))
+    format!("{marks}\n{}\n", paragraph(&total(tables).replace("; ", "\n")))
 }
 
 /// Returns text with its marks in colours.

@@ -235,19 +235,23 @@ pub fn main() -> ExitCode {
 
 /// Returns the sentence on what is not solved, if an argument asks for it.
 fn limit(error: &clap::Error) -> Option<String> {
-    let text = |kind| match error.get(kind) {
-        Some(ContextValue::String(text)) => Some(text.as_str()),
-        _ => None,
-    };
-    let option = text(ContextKind::InvalidArg)?.split([' ', '=']).next()?;
+    let option = named(error, ContextKind::InvalidArg)?.split([' ', '=']).next()?;
     let said = match error.kind() {
         ErrorKind::UnknownArgument => limits::of_word(option)?,
         ErrorKind::ValueValidation if ["--friction", "--limit"].contains(&option) => {
-            text(ContextKind::InvalidValue)?.contains('=').then(limits::one_law)?
+            named(error, ContextKind::InvalidValue)?.contains('=').then(limits::one_law)?
         }
         _ => return None,
     };
     Some(format!("{option}: {said}"))
+}
+
+/// Returns the text of this kind that an error names, if it names one.
+fn named(error: &clap::Error, kind: ContextKind) -> Option<&str> {
+    match error.get(kind)? {
+        ContextValue::String(text) => Some(text),
+        _ => None,
+    }
 }
 
 /// Returns the exit code of a command, after a line for an error.

@@ -30,7 +30,7 @@ pub(super) struct ContactLine {
     /// Name in the legend.
     pub(super) label: String,
     pub(super) y: Vec<f64>,
-    /// Multiplier, or flux dy/dn.
+    /// Multiplier, or flux dy/dn; not a number on fixed parts, whose flux is not computed.
     pub(super) a: Vec<f64>,
     in_contact: Vec<bool>,
 }
@@ -52,10 +52,15 @@ impl ContactPanel {
         }
         for curve in curves {
             let nodes = &curve.nodes;
+            let fixed: Vec<bool> = (0..nodes.len()).map(|k| is_fixed(&curve, k)).collect();
             let lines = solutions.iter().map(|(label, pair)| ContactLine {
                 label: label.clone(),
                 y: at(&pair.y, nodes),
-                a: at(&problem.at_nodes(&pair.a, 0.0), nodes),
+                a: at(&problem.at_nodes(&pair.a, 0.0), nodes)
+                    .into_iter()
+                    .zip(&fixed)
+                    .map(|(a, &fixed)| if fixed { f64::NAN } else { a })
+                    .collect(),
                 in_contact: at(&problem.at_nodes(&problem.in_contact(pair), false), nodes),
             });
             let lines = lines.collect();
@@ -73,10 +78,13 @@ impl ContactPanel {
             // Closed: the end of the curve is the first node again.
             let end = values(line).first().map(|&value| (self.curve.length, value));
             let inner = self.curve.places.iter().copied().zip(values(line).iter().copied());
-            let mut curve = Curve::new(Stroke::Line, &line.label, inner.chain(end));
-            // The first lines are thicker, so that a later one on top does not hide them.
-            curve.width = 1.5 + 0.75 * (self.lines.len() - 1 - k).min(3) as f64;
-            curves.push(curve);
+            let points: Vec<_> = inner.chain(end).collect();
+            for piece in points.split(|point| point.1.is_nan()).filter(|piece| !piece.is_empty()) {
+                let mut curve = Curve::new(Stroke::Line, &line.label, piece.iter().copied());
+                // The first lines are thicker, so that a later one on top does not hide them.
+                curve.width = 1.5 + 0.75 * (self.lines.len() - 1 - k).min(3) as f64;
+                curves.push(curve);
+            }
         }
         Chart::new(&self.title, ["", ""], curves).scaled([Scale::Linear; 2])
     }
@@ -85,6 +93,12 @@ impl ContactPanel {
     fn has(&self, condition: Condition) -> bool {
         self.curve.conditions.contains(&condition)
     }
+}
+
+/// True if a node of a curve is an end of an edge on a fixed part.
+fn is_fixed(curve: &ClosedCurve, node: usize) -> bool {
+    let before = node.checked_sub(1).unwrap_or(curve.conditions.len() - 1);
+    [before, node].iter().any(|&edge| curve.conditions[edge] == Condition::Fixed)
 }
 
 /// Values at some nodes.
@@ -336,6 +350,12 @@ mod tests {
             let named =
                 |text: &str| [inner, outer].map(|svg| svg.contains(&format!(">{text}</text>")));
             assert_eq!(named(word), [true, false], "{condition:?}");
+            // The flux through a free part is zero, that through a fixed one is not computed.
+            let table = of_contact(&panels);
+            let last = if condition == Condition::Fixed { "" } else { "0" };
+            let inner_rows = table.lines().filter(|line| line.starts_with("t: inner,"));
+            assert!(inner_rows.clone().count() > 4);
+            assert!(inner_rows.map(|line| line.rsplit(',').next().unwrap()).all(|a| a == last));
             assert_eq!(named("a"), [false, true]);
             // Of zeros alone zero is the one number.
             assert!(!inner.contains(">0.2</text>"), "{inner}");

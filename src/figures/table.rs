@@ -2,7 +2,7 @@
 
 use crate::table::quoted;
 
-/// Adds a line for each row of numbers, each behind the same names.
+/// Adds a line for each row of numbers, each behind the same names; what is not a number has an empty cell.
 pub(super) fn add<const N: usize>(
     csv: &mut String,
     names: &[&str],
@@ -11,7 +11,9 @@ pub(super) fn add<const N: usize>(
     let names: Vec<String> = names.iter().map(|name| quoted(name)).collect();
     for row in rows {
         *csv += &names.join(",");
-        row.iter().for_each(|number| *csv += &format!(",{number}"));
+        for number in row {
+            *csv += &if number.is_nan() { ",".to_owned() } else { format!(",{number}") };
+        }
         csv.push('\n');
     }
 }

@@ -31,7 +31,7 @@ class Refused(Exception):
     """What was asked for has no answer; the text names the remedy."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Solution:
     """A solution, with N nodes of which C in a cell; if there is a `failure`, what the solver reached without it."""
 
@@ -53,12 +53,18 @@ class Solution:
     multiplier: np.ndarray
     #: f in each cell, M: on the square its value at the centre, on a mesh its mean.
     f: np.ndarray
+    #: Of `at` and `line`, for each point a dictionary of `point`, `v` and `gradient`, both None outside the domain.
+    values: list[dict]
     #: Doubts about the solution, a sentence each.
     warnings: list[str]
     #: Reason why this is no solution, or not as accurate as asked; None if it is.
     failure: str | None
     #: All that `signorini solve --json` says.
     answer: dict
+
+    def __repr__(self) -> str:
+        end = f", {self.failure}" if self.failure else ""
+        return f"<solution, {self.answer['f']}, energy {self.energy:.7g}, {len(self.v)} nodes{end}>"
 
 
 def solve(f: str, **options) -> Solution:
@@ -87,6 +93,7 @@ def solve(f: str, **options) -> Solution:
         v=arrays["v"].ravel(),
         multiplier=arrays["multiplier"].ravel(),
         f=arrays["f"].ravel(),
+        values=answer.get("values") or [],
         warnings=answer["warnings"],
         failure=answer["failure"],
         answer=answer,
@@ -97,8 +104,9 @@ def study(vary: dict, f: str | None = None, **options) -> dict[str, np.ndarray]:
     """Solves one problem for each combination of values, beside each other; returns the table by its columns.
 
     `vary` has the values of options, or of names in f: {"R": [0.1, 0.2]} with f="disc(0,0,$R)=4; else=-1"; f may be
-    one of the options, and a value of several parts or grids is a list: {"fixed": [["top", "left"], "top"]}. Where a member has no solution, `reason` says why, and its numbers are nan, or those where the
-    solver ended; `warnings` has a list of sentences for each member.
+    one of the options, and a value of several parts or grids is a list: {"fixed": [["top", "left"], "top"]}. Where a
+    member has no solution, `reason` says why, and its numbers are nan, or those where the solver ended; `warnings` has
+    a list of sentences for each member.
     """
     _refuse_out(options)
     words = [] if f is None else ["--f", f]

@@ -24,13 +24,13 @@ pub(crate) static LIMITS: [Limit; 7] = [
     Limit {
         words: &["dirichlet", "value", "displacement", "boundary", "bc"],
         wanted: "a value other than 0 on a fixed part",
-        instead: "--fixed PART holds v at 0; if each part is fixed or free, a constant c is the same problem with \
+        instead: "a fixed part holds v at 0; if each part is fixed or free, a constant c is the same problem with \
             v + c",
     },
     Limit {
         words: &["neumann", "flux", "robin", "traction"],
         wanted: "a given flux through the boundary",
-        instead: "on the parts of --free it is 0, elsewhere it follows from the law",
+        instead: "on a free part it is 0, elsewhere it follows from the law",
     },
     Limit {
         words: &[
@@ -63,7 +63,7 @@ pub(crate) static LIMITS: [Limit; 7] = [
 /// Law for each part: what is wanted, and what there is.
 const ONE_LAW: (&str, &str) = (
     "another law for each part of the boundary",
-    "the number of --friction or --limit holds on all parts in contact; --free and --fixed except parts",
+    "the number of friction or of a limit holds on all parts in contact; other parts are free or fixed",
 );
 
 /// Returns the sentence on a word by which something that is not solved is asked for, if it is known.

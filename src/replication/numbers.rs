@@ -213,12 +213,12 @@ impl Numbers {
 
     /// Values in some columns, null where there is none.
     pub(crate) fn values<'a>(&self, columns: &[&'a str]) -> Vec<(&'a str, Value)> {
-        let mut all = self.json();
-        let value = |&column: &&'a str| {
+        let (mut all, mut values) = (self.json(), Vec::new());
+        for &column in columns {
             let field = if column == END { STOP } else { column };
-            (column, all.remove(field).unwrap_or_default())
-        };
-        columns.iter().map(value).collect()
+            values.push((column, all.remove(field).unwrap_or_default()));
+        }
+        values
     }
 
     /// Values in some columns, with all digits; empty where there is none.

@@ -203,20 +203,19 @@ impl Study {
         table
     }
 
-    /// Returns the reasons for which members have no solution, and the warnings of the others, each once with the
-    /// members, for the first `most` of both.
+    /// Returns the reasons for which members have no solution, and all warnings, each once with the members, for the
+    /// first `most` of both.
     pub(crate) fn remarks(&self, all: &[Numbers], most: usize) -> String {
         let (mut reasons, mut warnings) = (Grouped::default(), Grouped::default());
         for (member, numbers) in self.members.iter().zip(all) {
             let whom = in_words(&self.names, self.values(member));
-            match (&numbers.reason, &numbers.warnings[..]) {
-                (Some(reason), _) => reasons.add(reason.clone(), whom),
-                (None, []) => {}
-                (None, sentences) => {
-                    let remedy = numbers.remedy.iter().map(|text| format!("; {text}"));
-                    warnings.add(sentences.join("; ") + &remedy.collect::<String>(), whom);
-                }
+            // The remedy is that of the failure, which has it already.
+            let remedy = numbers.remedy.as_ref().filter(|_| numbers.reason.is_none());
+            let remedy = remedy.map_or(String::new(), |text| format!("; {text}"));
+            if !numbers.warnings.is_empty() {
+                warnings.add(numbers.warnings.join("; ") + &remedy, whom.clone());
             }
+            numbers.reason.iter().for_each(|reason| reasons.add(reason.clone(), whom.clone()));
         }
         let mut text = String::new();
         for (grouped, what) in [(reasons, "no solution"), (warnings, "warning")] {

@@ -45,7 +45,6 @@ pub fn build(
         return Err("report/book.toml is missing; the book needs one, if only with a title".into());
     };
     let settings = Settings::read(book_toml).map_err(|e| e.to_string())?;
-    settings.check_files(files)?;
     let mut pages = BTreeMap::new();
     for (name, bytes) in files.iter().filter(|(name, _)| name.ends_with(".md")) {
         let text = std::str::from_utf8(bytes);
@@ -91,7 +90,7 @@ pub fn build(
     for (name, bytes) in files.iter().filter(|(name, _)| name.starts_with("theme/fonts/")) {
         write(&root.join(name.replacen("theme", THEME, 1)), bytes)?;
     }
-    let config = settings.of_mdbook(listed.iter().map(|page| page.path.as_str()));
+    let config = settings.of_mdbook(files);
     with_mdbook(root, config).map_err(|error| in_templates(error, root))?;
     let mut built =
         read_tree(&root.join("book"), |_| false).map_err(|(path, source)| io(&path, source))?;

@@ -70,9 +70,9 @@ fn written(target: &str) -> String {
 
 /// True if a link begins with a scheme, such as `https:`; a browser takes every such link for one to another place.
 fn has_scheme(target: &str) -> bool {
-    let is_in_scheme = |c: char| c.is_ascii_alphanumeric() || "+-.".contains(c);
     target.split_once(':').is_some_and(|(scheme, _)| {
-        scheme.starts_with(|c: char| c.is_ascii_alphabetic()) && scheme.chars().all(is_in_scheme)
+        scheme.starts_with(|c: char| c.is_ascii_alphabetic())
+            && scheme.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
     })
 }
 

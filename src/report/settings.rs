@@ -1,8 +1,8 @@
-//! Settings of a book, in `book.toml`: six keys, each of which may be left out. What else mdBook asks is said here.
+//! Settings of a book: its title, in `book.toml`, and what else mdBook asks.
 
 use crate::pipeline::error::{Error, Result, from_toml};
 use crate::pipeline::names::refuse_forbidden;
-use mdbook_driver::config::{Config, HtmlConfig, Search, SearchChapterSettings};
+use mdbook_driver::config::{Config, HtmlConfig, Search};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -14,19 +14,11 @@ const NAME: &str = "report/book.toml";
 /// replace mdBook's own.
 pub(super) const THEME: &str = "../theme-of-mdbook";
 
-/// Ends of the names of pages with numbers and hashes, which nobody looks for by words: the search leaves them out.
-const NOT_SEARCHED: [&str; 2] = ["-tables.md", "provenance.md"];
-
 /// Settings of a book.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct Settings {
     title: Option<Line>,
-    description: Option<Line>,
-    authors: Vec<Line>,
-    language: Option<Line>,
-    css: Vec<ThemeFile>,
-    js: Vec<ThemeFile>,
 }
 
 /// Text on one line.
@@ -42,69 +34,30 @@ impl TryFrom<String> for Line {
     }
 }
 
-/// Path from `report` of a file in `report/theme`, where none is in the place of a file that mdBook makes.
-#[derive(Deserialize)]
-#[serde(try_from = "String")]
-struct ThemeFile(String);
-
-impl TryFrom<String> for ThemeFile {
-    type Error = Error;
-
-    fn try_from(path: String) -> Result<Self> {
-        let name = path.strip_prefix("theme/").unwrap_or_default();
-        match name.is_empty() || name.contains(['/', '\\']) {
-            true => Err(Error::input(format!(
-                "`{path}` is no file in report/theme; put it there, and write its name after `theme/`"
-            ))),
-            false => Ok(Self(path)),
-        }
-    }
-}
-
 impl Settings {
     /// Reads and checks `book.toml`.
     ///
     /// # Errors
-    /// [`Error::Input`] with the line of a mistake, of one in a list with that of the list.
+    /// [`Error::Input`] with the line of a mistake.
     pub(super) fn read(book_toml: &[u8]) -> Result<Self> {
         from_toml(NAME, book_toml)
     }
 
-    /// Refuses settings that name a file which is none of `files`, given by their paths from the folder of `book.toml`.
-    pub(super) fn check_files(
-        &self,
-        files: &BTreeMap<String, Vec<u8>>,
-    ) -> std::result::Result<(), String> {
-        match self.css.iter().chain(&self.js).find(|file| !files.contains_key(&file.0)) {
-            None => Ok(()),
-            Some(ThemeFile(path)) => Err(format!(
-                "{NAME} names `{path}`, but there is no such file in report/; put it there"
-            )),
-        }
-    }
-
-    /// Returns the settings of mdBook for a book with these pages, given by their paths among the pages.
-    pub(super) fn of_mdbook<'a>(&self, pages: impl Iterator<Item = &'a str>) -> Config {
+    /// Returns the settings of mdBook for a book with these files, given by their paths from the folder of `book.toml`;
+    /// styles and scripts in `report/theme` are of all pages.
+    pub(super) fn of_mdbook(&self, files: &BTreeMap<String, Vec<u8>>) -> Config {
         let mut config = Config::default();
-        config.book.title = text(self.title.as_ref());
-        config.book.description = text(self.description.as_ref());
-        config.book.authors = self.authors.iter().map(|author| author.0.clone()).collect();
-        config.book.language = text(self.language.as_ref()).or(config.book.language);
+        config.book.title = self.title.as_ref().map(|title| title.0.clone());
         config.build.create_missing = false;
         // A readme is a page like any other.
         config.build.use_default_preprocessors = false;
         let mut search = Search::default();
         search.limit_results = 20;
         search.use_boolean_and = true;
-        for page in pages.filter(|page| NOT_SEARCHED.iter().any(|end| page.ends_with(end))) {
-            let mut left_out = SearchChapterSettings::default();
-            left_out.enable = Some(false);
-            search.chapter.insert(page.into(), left_out);
-        }
         let mut html = HtmlConfig::default();
         html.theme = Some(THEME.into());
-        html.additional_css = paths(&self.css);
-        html.additional_js = paths(&self.js);
+        html.additional_css = of_theme(files, ".css");
+        html.additional_js = of_theme(files, ".js");
         html.playground.runnable = false;
         html.search = Some(search);
         // There is no server that could ask for it, and its links would be absolute.
@@ -116,12 +69,13 @@ impl Settings {
     }
 }
 
-fn text(line: Option<&Line>) -> Option<String> {
-    line.map(|line| line.0.clone())
-}
-
-fn paths(files: &[ThemeFile]) -> Vec<PathBuf> {
-    files.iter().map(|file| PathBuf::from(&file.0)).collect()
+/// Returns the paths of the files in `report/theme` itself with this ending.
+fn of_theme(files: &BTreeMap<String, Vec<u8>>, ending: &str) -> Vec<PathBuf> {
+    let of_theme = files.keys().filter(|path| {
+        path.strip_prefix("theme/")
+            .is_some_and(|name| !name.contains('/') && name.ends_with(ending))
+    });
+    of_theme.map(PathBuf::from).collect()
 }
 
 #[cfg(test)]
@@ -129,27 +83,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn six_keys_are_taken_and_mistakes_have_their_line() {
-        let all = "title = \"T\"\ndescription = \"D\"\nauthors = [\"A\", \"B\"]\nlanguage = \"ru\"\n\
-                   css = [\"theme/a.css\"]\njs = [\"theme/a.js\"]\n";
-        let config = Settings::read(all.as_bytes()).unwrap().of_mdbook(["a.md"].into_iter());
-        assert_eq!(
-            (config.book.title.as_deref(), config.book.language.as_deref()),
-            (Some("T"), Some("ru"))
-        );
-        let css: Vec<String> = config.get("output.html.additional-css").unwrap().unwrap();
-        assert_eq!(css, ["theme/a.css"]);
-        let six = "expected one of `title`, `description`, `authors`, `language`, `css`, `js`";
+    fn the_title_is_taken_and_mistakes_have_their_line() {
+        let files = ["theme/a.css", "theme/b.js", "theme/fonts/c.css", "src/d.css"];
+        let files = files.map(|name| (name.to_owned(), Vec::new())).into();
+        let config = Settings::read(b"title = \"T\"\n").unwrap().of_mdbook(&files);
+        assert_eq!(config.book.title.as_deref(), Some("T"));
+        for (key, name) in [("css", "theme/a.css"), ("js", "theme/b.js")] {
+            let key = format!("output.html.additional-{key}");
+            assert_eq!(config.get::<Vec<String>>(&key).unwrap().unwrap(), [name]);
+        }
         for (text, line, said) in [
             ("[book\n", 1, ""),
-            ("title = \"x\"\nmultilingual = false\n", 2, six),
-            ("[output.html]\n", 1, six),
+            ("title = \"x\"\nmultilingual = false\n", 2, "expected `title`"),
+            ("[output.html]\n", 1, "expected `title`"),
             ("title = 3\n", 1, "expected a string"),
-            ("authors = [\n\"A\",\n\"B\\uFFFF\"]\n", 1, "U+FFFF"),
             ("title = \"\"\"a\\u0001\"\"\"\n", 1, "U+0001"),
-            ("\ncss = [\"/a.css\"]\n", 2, "is no file in report/theme"),
-            ("css = [\n\"theme/a.css\",\n\"theme/../a.css\"]\n", 1, "is no file in report/theme"),
-            ("js = [\"book.js\"]\n", 1, "is no file in report/theme"),
         ] {
             let error = Settings::read(text.as_bytes()).err().unwrap().to_string();
             assert!(error.starts_with(&format!("report/book.toml: line {line}: ")), "{error}");

@@ -6,35 +6,6 @@ use std::fs;
 use std::os::unix::fs::symlink;
 
 #[test]
-fn settings_beyond_the_six_keys_and_files_elsewhere_are_refused() {
-    let study = Study::new();
-    let settings = study.read("report/book.toml");
-    let line = settings.lines().count() + 1;
-    fs::write(study.0.path("x.css"), "a{}").unwrap();
-    let before = files_below(&study.0.path(""));
-    for setting in [
-        "css = [\"../x.css\"]",
-        "css = [\"theme/../../../x.css\"]",
-        "js = [\"/x.js\"]",
-        "src = \"pages\"",
-        "[build]\nbuild-dir = \"../x\"",
-        "[output.html]\nredirect = { \"/../../../y.html\" = \"plate.html\" }",
-        "[output.y]\ncommand = \"/bin/sh -c true\"",
-        "[preprocessor.y]\ncommand = \"../y\"",
-    ] {
-        study.write("report/book.toml", format!("{settings}{setting}\n"));
-        let said = study.run(&["run"]);
-        let place = format!("error: report/book.toml: line {line}: ");
-        assert!(said.refusal().starts_with(&place), "{setting}: {said:?}");
-    }
-    study.write("report/book.toml", &settings);
-    assert_eq!(files_below(&study.0.path("")), before);
-    study.write("report/book.toml", format!("{settings}css = [\"theme/no.css\"]\n"));
-    let error = study.refusal(&study.read(PAGE));
-    assert!(error.contains("report/book.toml names `theme/no.css`, but there is no"), "{error}");
-}
-
-#[test]
 fn what_the_book_is_made_from_is_an_input_wherever_it_lies() {
     let study = Study::new();
     let outside = study.0.path("x.css");
@@ -45,9 +16,6 @@ fn what_the_book_is_made_from_is_an_input_wherever_it_lies() {
     study.write("report/theme/index.hbs", "mine");
     study.write("report/theme/book.js", "mine");
     study.write("report/theme/fonts/own.woff2", "font");
-    let settings = study.read("report/book.toml");
-    let added = "css = [\"theme/x.css\"]\njs = [\"theme/book.js\"]\n";
-    study.write("report/book.toml", settings + added);
     let run = || {
         let mut command = study.0.command(&["run"]);
         let command = command.env("MDBOOK_BOOK__TITLE", "of the environment");
@@ -85,10 +53,8 @@ fn a_mistake_in_a_file_of_settings_is_told_in_one_line_with_its_place() {
         (
             "report/book.toml",
             format!("{book}multilingual = false\n"),
-            "line 2: unknown field `multilingual`, expected one of `title`, `description`, `authors`, `language`, \
-             `css`, `js`",
+            "line 2: unknown field `multilingual`, expected `title`",
         ),
-        ("report/book.toml", format!("{book}language = [\"\"\"a\nb\"\"\"]\n"), "line 2: "),
         ("pipeline/timings.toml", "schema = \"\"\"a\nb\"\"\"\n".into(), "line 1"),
         ("pipeline/lock.toml", wrong.into(), "pipeline/lock.toml"),
     ] {
@@ -116,11 +82,6 @@ fn characters_that_no_line_of_text_may_have_are_refused_wherever_the_user_writes
                 format!("title = \"\\u{:04X}", u32::from(c)),
             ),
             ("report/book.toml", "title = \"", format!("title = \"\\u{:04X}", u32::from(c))),
-            (
-                "report/book.toml",
-                "language = ",
-                format!("authors = [\"A\\u{:04X}\"]\nlanguage = ", u32::from(c)),
-            ),
         ] {
             let kept = study.read(path);
             study.write(path, kept.replacen(from, &to, 1));

@@ -78,3 +78,37 @@ fn results_do_not_depend_on_threads_or_place() {
         assert_same(&elsewhere.made(), &made);
     }
 }
+
+#[test]
+fn what_a_run_would_find_is_no_garbage() {
+    let project = Project::with(&wanting(EVERYTHING));
+    project.add_book("# One\n");
+    project.run(&["run"]).lines();
+    let edited = wanting(EVERYTHING).replace("else=-1", "else=-2");
+    project.scene("a", &edited);
+    project.run(&["run"]).lines();
+    project.scene("a", &wanting(EVERYTHING));
+    assert_eq!(project.stale(), [""; 0]);
+    project.run(&["gc"]).lines();
+    assert_eq!(project.stale(), [""; 0]);
+    // An artifact in the middle is gone: what is made from it is found once it is there again.
+    let objects = project.files(".signorini/v2/objects");
+    let runs = fs::read(project.path(".signorini/v2/tasks/solve/a/signed/r=10.runs")).unwrap();
+    let text = String::from_utf8(runs).unwrap();
+    // The latest is that of the edit.
+    let first = text.lines().next().unwrap();
+    let of_first = |name: &&String| first.contains(name.rsplit('/').next().unwrap());
+    for name in objects.keys().filter(of_first) {
+        fs::remove_file(project.path(&format!(".signorini/v2/objects/{name}"))).unwrap();
+    }
+    project.run(&["gc"]).lines();
+    let said = project.run(&["run", "-v"]);
+    assert_eq!(said.ran(), ["solve/a/signed/r=10"], "{said:?}");
+    // Both states are in use by turns.
+    project.scene("a", &edited);
+    assert_eq!(project.stale(), [""; 0]);
+    project.run(&["run"]).lines();
+    project.run(&["gc"]).lines();
+    project.scene("a", &wanting(EVERYTHING));
+    assert!(!project.stale().is_empty(), "the other one went");
+}

@@ -28,7 +28,7 @@ macro_rules! pages {
 }
 
 pages! {
-    answers, cache, comparison, f, files, init, meshes, names, others, refusals, runs, studies,
+    answers, cache, comparison, damage, f, files, init, links, meshes, names, others, refusals, runs, studies,
 }
 
 fn folder() -> PathBuf {

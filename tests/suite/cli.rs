@@ -34,42 +34,6 @@ fn the_program_is_linked_for_one_place_in_memory() {
 }
 
 #[test]
-fn solve_json_has_every_promised_field() {
-    let project = Project::with(TABLE);
-    let args = ["solve", "a", "--h", "1/16", "--r", "10", "--stop", "printed-dual", "--json"];
-    let said = project.run(&args);
-    assert_eq!((said.code, said.err.as_str()), (Some(0), ""));
-    let json = said.json();
-    assert_eq!(json["schema"], 1);
-    assert_eq!(json["scene"], "a");
-    assert_eq!(json["solver"], "arrow-hurwicz");
-    assert_eq!(json["stop"], "converged");
-    assert_eq!(json["h"], 0.0625);
-    assert_eq!(json["unknowns"], 17 * 17);
-    assert_eq!(json["integral_f"], -1.0);
-    assert!(json["iterations"].as_u64().unwrap() > 1);
-    let energy = json["energy"].as_f64().unwrap();
-    assert!((-1.0..0.0).contains(&energy), "below the energy of v = 0: {energy}");
-    let kkt = |name: &str| json["kkt"][name].as_f64().unwrap_or_else(|| panic!("{name}"));
-    assert!(kkt("stationarity") >= 0.0 && kkt("max_min") >= 0.0);
-    // The sum of v r of an approximation has either sign.
-    assert!(kkt("complementarity").abs() < 1e-2, "{json}");
-    assert!(kkt("min_y").abs() < 1e-2 && kkt("min_lambda") > -0.1, "{json}");
-    for phase in ["setup", "solve"] {
-        assert!(json["seconds"][phase].as_f64().unwrap() >= 0.0, "{phase}");
-    }
-    for field in ["energy", "error"] {
-        let [low, high] = [0, 1].map(|k| json["bound"][field][k].as_f64().unwrap());
-        assert!(low <= high, "{field}: {json}");
-    }
-    let json = project.run(&["solve", "a", "--solver", "multigrid", "--json"]).json();
-    let forces =
-        json["contact"].as_array().unwrap().iter().map(|arc| arc["force"].as_f64().unwrap());
-    assert_eq!(json["sum_load"], -1.0);
-    assert!((forces.sum::<f64>() - 1.0).abs() < 1e-12, "all of -1: {json}");
-}
-
-#[test]
 fn accuracy_chooses_the_grid_and_an_answer_without_a_bound_says_why() {
     let project = Project::with(TABLE);
     let (f, energy) = (REFERENCES[0].f, REFERENCES[0].energy);
@@ -114,28 +78,6 @@ fn accuracy_chooses_the_grid_and_an_answer_without_a_bound_says_why() {
     // Fourier series of the solution, which is zero on the surface.
     assert!(low < -0.010_084_25 && high > -0.010_084_24 && high < 0.9 * -0.010_084, "{cube}");
     assert!(cube["contact"].is_null(), "{cube}");
-}
-
-#[test]
-fn an_option_given_twice_has_its_last_value_and_an_ending_may_have_capitals() {
-    let project = Project::with(TABLE);
-    let args =
-        ["solve", "a", "--solver", "multigrid", "--h", "1/16", "--h", "1/8", "--out", "v.NPY"];
-    let said = project.run(&args);
-    assert_eq!(said.code, Some(0), "{said:?}");
-    let bytes = std::fs::read(project.path("v.NPY")).unwrap();
-    assert!(String::from_utf8_lossy(&bytes[..80]).contains("(9, 9)"));
-    assert_eq!(project.run(&["run", "-q", "-q"]).code, Some(0));
-}
-
-#[test]
-fn the_recovered_solution_is_written_at_twice_the_nodes() {
-    let project = Project::with(TABLE);
-    let args =
-        ["solve", "a", "--h", "1/16", "--solver", "multigrid", "--out", "w.npy", "--recover"];
-    assert_eq!(project.run(&args).code, Some(0));
-    let bytes = std::fs::read(project.path("w.npy")).unwrap();
-    assert!(String::from_utf8_lossy(&bytes[..80]).contains("(33, 33)"));
 }
 
 /// Numbers as NPY and VTI files have them.
@@ -419,41 +361,4 @@ fn manual_pages_exist_for_each_command() {
         count += 1;
     }
     assert_eq!(count, pages.len());
-}
-
-#[test]
-fn completions_exist_for_each_shell() {
-    let project = Project::with(TABLE);
-    for (shell, word) in
-        [("bash", "complete -F"), ("zsh", "#compdef signorini"), ("fish", "complete -c signorini")]
-    {
-        let said = project.run(&["completions", shell]);
-        assert!(
-            said.code == Some(0) && said.out.contains(word) && said.out.contains("explain"),
-            "{shell}"
-        );
-    }
-    assert_eq!(project.run(&["completions", "teco"]).code, Some(2));
-}
-
-#[test]
-fn data_go_to_standard_output_and_talk_to_standard_error() {
-    let project = Project::with(TABLE);
-    let run = project.run(&["run", "-v"]);
-    assert_eq!(run.ran().len(), 3);
-    assert!(run.out.lines().all(|line| !line.starts_with("ran ")), "{run:?}");
-    for args in [
-        &["status", "--json"][..],
-        &["explain", "solve", "--json"],
-        &["solve", "a", "--solver", "multigrid", "--json"],
-    ] {
-        let said = project.run(args);
-        assert_eq!((said.json()["schema"].as_u64(), said.err.as_str()), (Some(1), ""), "{args:?}");
-    }
-    let quiet = project.run(&["run", "-f", "-v", "-q"]);
-    assert_eq!((quiet.code, quiet.err.as_str()), (Some(0), ""));
-    // A wrong word on the command line is clap's business, but goes the same way.
-    let wrong = project.run(&["run", "--frce"]);
-    assert_eq!((wrong.code, wrong.out.as_str()), (Some(2), ""));
-    assert!(wrong.err.contains("--force"), "{wrong:?}");
 }

@@ -6,7 +6,7 @@ use crate::common::{
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::{Duration, SystemTime};
 
 /// Task id before the first slash, or `objects`: the kinds of file in a cache.
@@ -96,54 +96,6 @@ fn a_record_edited_by_hand_removes_no_input_and_nothing_elsewhere() {
 }
 
 #[test]
-fn pages_of_a_task_that_fails_stay() {
-    let project = Project::with(&wanting("[\"source\"]"));
-    project.add_book("# One\n");
-    project.run(&["run"]).lines();
-    let exports = ["report/src/one.md", "figures/a-source.svg"];
-    let [page, figure] = exports.map(|name| fs::read(project.path(name)).unwrap());
-    project.write("report/templates/one.md", "# One\n\n[to nowhere](nowhere.md)\n");
-    project.scene("a", &wanting("[\"source\"]").replace("else=-1", "rect(0,0.1,0,0.1)=1; else=-2"));
-    assert_eq!(project.run(&["run", "-k"]).code, Some(3));
-    assert_eq!(fs::read(project.path(exports[0])).unwrap(), page);
-    assert_ne!(fs::read(project.path(exports[1])).unwrap(), figure);
-}
-
-#[test]
-fn a_reverted_project_without_cache_was_edited_by_nobody() {
-    let project = Project::with(&wanting("[\"table\", \"source\"]"));
-    project.run(&["run"]).lines();
-    let (lock, figure) = ("pipeline/lock.toml", project.path("figures/a-source.svg"));
-    let (old_lock, old) = (fs::read(project.path(lock)).unwrap(), fs::read(&figure).unwrap());
-    project.scene("a", &wanting("[\"table\", \"source\"]").replace("else=-1", "else=-2"));
-    project.run(&["run"]).lines();
-    assert_ne!(fs::read(&figure).unwrap(), old);
-    // As `git checkout` does it, which does not know a figure that was never committed.
-    project.scene("a", &wanting("[\"table\", \"source\"]"));
-    project.write(lock, old_lock);
-    fs::remove_dir_all(project.path(".signorini")).unwrap();
-    project.run(&["run"]).lines();
-    assert_eq!(fs::read(&figure).unwrap(), old);
-}
-
-#[test]
-fn a_pipe_in_the_cache_keeps_nobody_waiting() {
-    let project = Project::with(&wanting(EVERYTHING));
-    project.run(&["run"]).lines();
-    let made = project.made();
-    let object = by_kind(&project)["objects"][0].clone();
-    let runs = project.path(".signorini/v2/tasks/solve/a/signed/r=1.runs");
-    for file in [object, runs, project.path("pipeline/.exported.json")] {
-        fs::remove_file(&file).unwrap();
-        assert!(Command::new("mkfifo").arg(&file).status().unwrap().success());
-        for args in [&["run"][..], &["run", "--force"], &["gc"]] {
-            project.run(args).lines();
-        }
-        assert_same(&project.made(), &made);
-    }
-}
-
-#[test]
 fn a_project_without_a_problem_or_with_a_third_table_runs_and_its_book_says_what_is_left_out() {
     let project = Project::with(&(wanting(EVERYTHING) + "paper_table = 1\n"));
     project.write("report/book.toml", "title = \"Short\"\n");
@@ -172,38 +124,6 @@ fn a_project_without_a_problem_or_with_a_third_table_runs_and_its_book_says_what
         project.path("figures/c-surface.svg").exists()
             && project.path("figures/figure2.svg").exists()
     );
-}
-
-#[test]
-fn what_killed_runs_left_is_removed_by_the_next() {
-    let project = Project::with(&wanting(EVERYTHING));
-    project.run(&["run"]).lines();
-    let leftovers = [
-        ".signorini/v2/.signorini-book01.tmp/src/page.md",
-        ".signorini/v2/.signorini-abcdef.tmp",
-        "figures/.signorini-abcdef.tmp",
-        "pipeline/.signorini-abcdef.tmp",
-    ];
-    for path in leftovers {
-        fs::create_dir_all(project.path(path).parent().unwrap()).unwrap();
-        project.write(path, "half");
-    }
-    project.run(&["run", "--force"]).lines();
-    assert!(leftovers.iter().all(|path| !project.path(path).exists()));
-    assert!(!project.path(".signorini/v2/.signorini-book01.tmp").exists());
-}
-
-#[test]
-fn a_read_only_project_that_is_up_to_date_has_nothing_to_do() {
-    let project = Project::with(&wanting(EVERYTHING));
-    project.run(&["run"]).lines();
-    let times = project.times();
-    for lock in ["pipeline/.lock", ".signorini/lock"] {
-        fs::remove_file(project.path(lock)).unwrap();
-    }
-    // Without permission nothing can be written, and even root would make the locks anew.
-    project.run(&["run"]).nothing_to_do();
-    assert_eq!(project.times().len(), times.len() - 2, "not even a lock");
 }
 
 #[test]
@@ -299,39 +219,6 @@ fn what_the_clock_says_does_not_matter() {
         assert_same(&project.made(), &made);
     }
     assert_eq!(wrong, promised("Clock set back or ahead"));
-}
-
-#[test]
-fn files_are_replaced_whole_and_never_rewritten_in_place() {
-    let project = Project::with(&wanting(EVERYTHING));
-    project.run(&["run"]).lines();
-    // A second name of a file keeps showing what it was if the file is replaced.
-    let made = project.made();
-    fs::create_dir(project.path("links")).unwrap();
-    for (k, name) in made.keys().enumerate() {
-        let file = if name == "lock.toml" { "pipeline/lock.toml" } else { name };
-        fs::hard_link(project.path(file), project.path(&format!("links/{k:03}"))).unwrap();
-    }
-    project.run(&["run", "--force"]).lines();
-    project.scene("a", &wanting(EVERYTHING).replace("else=-1", "else=-2"));
-    project.run(&["run"]).lines();
-    assert!(project.made()["lock.toml"] != made["lock.toml"]);
-    for ((name, before), now) in made.iter().zip(project.files("links").values()) {
-        assert!(before == now, "{name} was written in place");
-    }
-}
-
-#[test]
-fn a_cache_of_an_older_layout_is_ignored_and_collected() {
-    let project = Project::with(TABLE);
-    project.run(&["run"]).lines();
-    assert_eq!(promised("Cache of an older layout"), 1);
-    fs::rename(project.path(".signorini/v2"), project.path(".signorini/v0")).unwrap();
-    assert_eq!(project.run(&["run", "-v"]).ran().len(), 3, "nothing of it is believed");
-    assert!(project.path(".signorini/v0/tasks").exists(), "a run removes nothing");
-    project.run(&["gc"]).lines();
-    assert!(!project.path(".signorini/v0").exists());
-    project.run(&["run"]).nothing_to_do();
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::common::{
     wait_for_handler, wanting,
 };
 use std::collections::BTreeMap;
-use std::fs;
+use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -211,4 +211,44 @@ fn a_run_that_is_to_outlive_its_terminal_does() {
     let said = signalled(&mut command, "HUP");
     assert_eq!(said.code, Some(0), "{said:?}");
     assert_eq!(project.stale(), [""; 0]);
+}
+
+#[test]
+fn a_signal_ends_at_once_what_has_not_begun() {
+    let project = Project::with(TABLE);
+    fs::create_dir(project.path(".signorini")).unwrap();
+    let lock = File::create(project.path(".signorini/lock")).unwrap();
+    lock.lock().unwrap();
+    for signal in ["INT", "TERM"] {
+        let mut command = project.command(&["run", "--task", "solve/a/signed/r=10"]);
+        let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        wait_for_handler(&child);
+        send(signal, &child);
+        // It would wait for ever.
+        let said = child.wait_with_output().unwrap();
+        assert_eq!(said.status.code(), Some(130), "{said:?}");
+        let err = String::from_utf8(said.stderr).unwrap();
+        assert!(!err.contains("finishing"), "{err}");
+        assert!(err.ends_with("repeat the command to go on\n"), "{err}");
+    }
+    drop(lock);
+    assert_eq!(project.stale().len(), 3);
+}
+
+#[test]
+fn refinement_ends_between_two_meshes() {
+    let scene = "title = \"Fine\"\nf = \"else=-1\"\ndomain = \"lshape\"\naccuracy = 1e-5\noutputs = [\"table\"]\n";
+    let project = Project::with(scene);
+    let mut command = project.command(&["run", "-v"]);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    lines.find(|line| line.as_ref().unwrap().contains(" to run")).unwrap().unwrap();
+    std::thread::sleep(Duration::from_millis(300));
+    send("TERM", &child);
+    // To the end it would take an hour, and all memory.
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let said: Vec<String> = lines.map(Result::unwrap).collect();
+    assert!(said[0].starts_with("finishing what has begun"), "{said:?}");
+    assert!(said[1].starts_with("ended early: solve/a"), "{said:?}");
+    assert_eq!(project.stale().len(), 2);
 }

@@ -11,33 +11,6 @@ fn solve_to(project: &Project, file: &str) -> crate::common::Said {
 }
 
 #[test]
-fn a_named_file_is_written_where_its_links_end() {
-    let project = Project::with(TABLE);
-    solve_to(&project, "plain.svg").lines();
-    let plain = fs::read(project.path("plain.svg")).unwrap();
-    fs::create_dir(project.path("shared")).unwrap();
-    project.write("shared/v.svg", "old");
-    symlink("shared/v.svg", project.path("relative.svg")).unwrap();
-    symlink("relative.svg", project.path("chain.svg")).unwrap();
-    symlink(project.path("shared/v.svg"), project.path("absolute.svg")).unwrap();
-    symlink("shared/new.svg", project.path("dangling.svg")).unwrap();
-    let links = ["relative.svg", "chain.svg", "absolute.svg", "dangling.svg"];
-    for (link, file) in links.into_iter().zip(["v", "v", "v", "new"]) {
-        let file = format!("shared/{file}.svg");
-        if file == "shared/v.svg" {
-            project.write(&file, "old");
-        }
-        solve_to(&project, link).lines();
-        assert!(fs::symlink_metadata(project.path(link)).unwrap().is_symlink(), "{link}");
-        assert_eq!(fs::read(project.path(&file)).unwrap(), plain, "{link}");
-    }
-    symlink("nowhere/v.svg", project.path("lost.svg")).unwrap();
-    assert!(solve_to(&project, "lost.svg").refusal().contains("no such folder; make it"));
-    symlink("circle.svg", project.path("circle.svg")).unwrap();
-    assert!(solve_to(&project, "circle.svg").refusal().contains("remove the link"));
-}
-
-#[test]
 fn a_file_keeps_its_permissions_and_a_hard_link_its_bytes() {
     let project = Project::with(TABLE);
     for mode in [0o600, 0o640, 0o666] {

@@ -24,7 +24,6 @@ mod documents;
 mod domain_scenes;
 mod domains;
 mod edits;
-mod effects;
 mod energies;
 mod engines;
 mod examples;

@@ -280,40 +280,14 @@ fn numbers_are_put_into_formulas_as_numbers() {
 }
 
 #[test]
-fn options_do_not_change_what_a_scene_varies() {
+fn options_replace_what_does_not_vary() {
     let project = saved();
-    for args in [
-        &["--h", "1/16"][..],
-        &["--h", "1/8"],
-        &["--grids", "4,8"],
-        &["--accuracy", "0.5"],
-        &["--accuracy-energy", "0.5"],
-    ] {
-        let said = project.run(&[&["solve", "s"], args].concat());
-        assert!(said.refusal().contains("does not go with a scene that varies h"), "{said:?}");
-    }
     // What does not vary is replaced in each row, and the labels stay.
     let over = rows(&project, &["s", "--solver", "active-set"]);
     let own = rows(&project, &["s"]);
     for (over, own) in over.iter().zip(&own) {
         assert_eq!([&over["R"], &over["h"]], [&own["R"], &own["h"]]);
         assert_eq!([&over["solver"], &own["solver"]], ["active-set", "multigrid"]);
-    }
-    for (vary, args) in [
-        ("solver = [\"multigrid\", \"spectral\"]", &["--solver", "active-set"][..]),
-        // Other options choose a solver, a load or no accuracy by themselves.
-        ("solver = [\"multigrid\", \"active-set\"]", &["--r", "10"]),
-        ("load = [\"nodal\", \"exact\"]", &["--accuracy", "0.5"]),
-        ("load = [\"nodal\", \"exact\"]", &["--solver", "spectral"]),
-        ("accuracy = [0.5, 0.4]", &["--solver", "active-set"]),
-        ("accuracy = [0.5, 0.4]", &["--tolerance", "1e-6"]),
-        ("tolerance = [1e-6, 1e-8]", &["--solver", "active-set"]),
-    ] {
-        let text =
-            format!("title = \"t\"\nf = \"else=-1\"\nvary = {{ {vary} }}\noutputs = [\"table\"]\n");
-        project.scene("t", &text);
-        let said = project.run(&[&["solve", "t"], args].concat());
-        assert!(said.code == Some(2) && said.out.is_empty(), "{vary} {args:?}: {said:?}");
     }
 }
 
@@ -342,18 +316,6 @@ fn values_of_several_parts_or_none_are_values() {
 }
 
 #[test]
-fn ranges_are_decimals_and_empty_values_are_refused() {
-    let project = Project::with(TABLE);
-    let args = ["--f", "disc(0,0,$R)=1; else=-1", "--h", "8", "--vary", "R=0.1:0.4:0.1,0.45"];
-    let found: Vec<_> = rows(&project, &args).iter().map(|row| row["R"].to_string()).collect();
-    assert_eq!(found, ["0.1", "0.2", "0.3", "0.4", "0.45"]);
-    for wrong in ["R=0.1,,0.2", "R=1:2:0", "R=", "R=0:1:1e-9"] {
-        let said = project.run(&["solve", "--f", "else=-$R", "--vary", wrong]);
-        assert!(said.code == Some(2) && said.out.is_empty(), "{wrong}: {said:?}");
-    }
-}
-
-#[test]
 fn tasks_of_different_values_have_different_names() {
     let project = Project::with(TABLE);
     let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/meshes/square.msh");
@@ -373,50 +335,6 @@ fn tasks_of_different_values_have_different_names() {
     let members: BTreeSet<_> =
         ran.ran().into_iter().filter(|id| id.starts_with("solve/")).collect();
     assert_eq!(members.len(), 8, "{ran:?}");
-}
-
-#[test]
-fn charts_have_widths_and_say_what_they_leave_out() {
-    let project = Project::with(TABLE);
-    let text = "title = \"t\"\nf = \"else=-9\"\nvary = { h = [\"1/8\", 16, 0.25] }\noutputs = [\"chart\"]\n";
-    project.scene("t", text);
-    project.run(&["run", "t"]).lines();
-    let csv = fs::read_to_string(project.path("figures/t-chart.csv")).unwrap();
-    let across: Vec<&str> = csv.lines().skip(1).filter_map(|row| row.split(',').nth(4)).collect();
-    assert_eq!(across, ["0.0625", "0.125", "0.25"]);
-    let text = "title = \"t\"\nf = \"formula($a*x - 2)\"\nh = 8\nvary = { a = [0, 1, 2] }\noutputs = [\"chart\"]\n\
-        chart = { x = \"1/a\" }\n";
-    project.scene("t", text);
-    project.run(&["run", "t"]).lines();
-    let read = |file: &str| fs::read_to_string(project.path(file)).unwrap();
-    assert_eq!(read("figures/t-chart.csv").lines().count(), 3);
-    assert!(read("figures/t-chart.svg").contains("not on these axes: 1 of 3 members"));
-}
-
-#[test]
-fn a_width_may_be_a_number_and_keys_of_tables_are_told_where_they_belong() {
-    let project = Project::with(TABLE);
-    let scene = |line: &str| {
-        project.scene(
-            "t",
-            &format!("title = \"t\"\nf = \"else=-1\"\n{line}\noutputs = [\"table\"]\n"),
-        );
-        project.run(&["solve", "t", "--json"])
-    };
-    let [text, number, width] =
-        ["h = \"1/8\"", "h = 8", "h = 0.125"].map(|line| scene(line).json());
-    assert_eq!([&text["energy"], &text["h"]], [&number["energy"], &number["h"]]);
-    assert_eq!(text["energy"], width["energy"]);
-    assert!(scene("h = [8]").refusal().contains("`h` is a width"));
-    for (line, words) in [
-        ("friction = 2", "line 3: `friction` belongs to `law`; write law = { friction = .. }"),
-        ("refine = 2", "`refine` belongs to `domain`"),
-        ("domain = { name = \"disc\", limit = 2 }", "`limit` belongs to `law`"),
-        ("frction = 2", "unknown field `frction`"),
-    ] {
-        let said = scene(line);
-        assert!(said.refusal().contains(words), "{line}: {said:?}");
-    }
 }
 
 #[test]

@@ -96,22 +96,6 @@ fn contradictions_and_numbers_that_are_none_are_refused() {
         let refused = solve(&project, &file, &["--f", f]);
         assert!(refused.refusal().contains(said), "{refused:?}");
     }
-    let cases: [(&[&str], &str); 6] = [
-        (
-            &["--free", "rim", "--fixed", "rim"],
-            "facets named rim would be free and fixed; choose one",
-        ),
-        (&["--curve", "rim=0,0,nan"], "a circle takes x, y, radius;"),
-        (&["--curve", "rim=0,0,1e400"], "a circle takes x, y, radius;"),
-        (&["--curve", "rim=0,0,-1"], "a circle takes x, y, radius;"),
-        (&["--curve", "rim=0,0,1", "--curve", "rim=0,0,1"], "name it once"),
-        (&["--free", "nan"], "the mesh has no part `nan`; its parts are rim"),
-    ];
-    for (args, said) in cases {
-        let refused =
-            project.run(&[&["solve", "--domain", "disc", "--f", "else=-1"], args].concat());
-        assert!(refused.refusal().contains(said), "{refused:?}");
-    }
 }
 
 #[test]
@@ -157,14 +141,6 @@ fn poles_at_nodes_and_at_midpoints_of_edges_are_found() {
         let refusal = refused.refusal();
         assert!(refusal.contains("inf at (") && refusal.contains(at), "{refused:?}");
     }
-}
-
-#[test]
-fn a_pointer_in_the_place_of_a_mesh_is_told() {
-    let project = Project::with(TABLE);
-    let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n";
-    let refused = solve(&project, pointer, &["--f", "else=-1"]);
-    assert!(refused.refusal().ends_with("the file is a pointer of Git LFS; do `git lfs pull`"));
 }
 
 /// A hexagon with a square hole, of large triangles; the elements from 5 on are cells, and 5, 6, 11, 14 lie at the hole.

@@ -1,6 +1,6 @@
 //! What commands read: of a mesh its hash, of the book nothing unless it is built, and no broken scene hides another.
 
-use crate::common::{Project, TABLE, assert_same, wanting};
+use crate::common::{Project, TABLE};
 use std::fs;
 
 const GEAR: &str = "title = \"Gear\"\nf = \"region(gear)=-1\"\n\
@@ -64,33 +64,4 @@ fn a_mesh_is_parsed_only_by_a_run_that_needs_it() {
     assert_eq!(project.run(&["status", "--exit-code"]).code, Some(0));
     project.write("pipeline/meshes/gear.msh", gear());
     project.run(&["run"]).lines();
-}
-
-#[test]
-fn a_refused_run_changes_nothing() {
-    let project = Project::with(&wanting("[\"table\", \"source\", \"surface\"]"));
-    project.run(&["run"]).lines();
-    project.write("figures/a-source.svg", "<svg>mine</svg>");
-    fs::remove_file(project.path("figures/a-surface.svg")).unwrap();
-    let lock = fs::read_to_string(project.path("pipeline/lock.toml")).unwrap();
-    project.write("pipeline/lock.toml", lock.replace("[exports]", "\"more\" = \"0\"\n[exports]"));
-    let (before, times) = (project.files(""), project.times());
-    for args in [&["run"][..], &["run", "a"], &["run", "--only", "figures"]] {
-        assert!(project.run(args).refusal().contains("was edited by hand"), "{args:?}");
-        assert_same(&project.files(""), &before);
-        assert_eq!(project.times(), times, "{args:?}");
-    }
-    // Even if the tasks have to run before it is known that the result has no place.
-    fs::remove_dir_all(project.path(".signorini")).unwrap();
-    project.run(&["run"]).refusal();
-    for folder in ["figures", "pipeline", "report"] {
-        let before = before.iter().filter_map(|(name, bytes)| {
-            let name = name.strip_prefix(folder)?.strip_prefix('/')?;
-            (name != ".lock").then(|| (name.to_owned(), bytes.clone()))
-        });
-        let mut after = project.files(folder);
-        // The lock has the name of its last holder.
-        after.retain(|name, _| name != ".lock");
-        assert_same(&after, &before.collect());
-    }
 }

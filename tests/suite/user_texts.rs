@@ -61,19 +61,6 @@ fn a_cell_shows_the_text_of_the_user_as_it_is() {
 }
 
 #[test]
-fn a_table_without_a_number_has_the_values_that_vary() {
-    let project = Project::with(TABLE);
-    let study = "title = \"S\"\nf = \"disc(0,0,$R)=4; else=-1\"\nh = \"1/8\"\nvary = { R = [0.1, 0.2] }\n\
-        columns = [\"error_l2\"]\noutputs = [\"table\"]\n";
-    project.scene("s", study);
-    project.run(&["run", "s"]).lines();
-    let read = |end: &str| fs::read_to_string(project.path("report/tables/s.").with_extension(end));
-    assert!(read("tex").unwrap().contains("\\begin{tabular}{r}\n\\toprule\nR \\\\"));
-    assert!(read("md").unwrap().starts_with("| R |\n|---:|\n| 0.1 |"));
-    assert!(!read("tex").unwrap().contains("energy"), "of the columns that the file in CSV has");
-}
-
-#[test]
 fn digits_that_no_number_has_are_refused_with_the_line_of_the_page() {
     let filters =
         [("fix(to=65536)", "`to` is 65536"), ("sci(digits=100000)", "`digits` is 100000")];
@@ -104,11 +91,7 @@ fn a_figure_is_found_by_its_name_whatever_signs_it_has() {
         let mut files: std::collections::BTreeMap<String, Vec<u8>> =
             pages.into_iter().map(|(name, text)| (name, text.into_bytes())).collect();
         files.insert("book.toml".into(), b"title = \"T\"\n".to_vec());
-        files.insert(
-            "src/SUMMARY.md".into(),
-            b"- [One](one.md)\n- [Provenance](provenance.md)\n".to_vec(),
-        );
-        files.insert("src/provenance.md".into(), b"# P\n".to_vec());
+        files.insert("src/SUMMARY.md".into(), b"- [One](one.md)\n".to_vec());
         for ending in ["svg", "csv"] {
             files.insert(format!("src/figures/{name}.{ending}"), b"<svg/>".to_vec());
         }

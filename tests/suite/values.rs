@@ -81,37 +81,6 @@ fn a_line_is_the_same_as_text_json_and_csv() {
 }
 
 #[test]
-fn points_outside_have_no_value_and_what_is_no_point_is_refused() {
-    let project = Project::with(TABLE);
-    let command = ["solve", "--f", F, "--h", "1/8"];
-    let json =
-        project.run(&[&command[..], &["--json", "--at", "0.6,0", "--at", "0,0"]].concat()).json();
-    assert_eq!([&json["values"][0]["v"], &json["values"][0]["gradient"]], [&Value::Null; 2]);
-    assert!(json["values"][1]["v"].is_f64());
-    let said = project.run(&[&command[..], &["--at", "0.6,0"]].concat());
-    assert!(said.out.contains("1 of 1 points lie outside the domain\n"), "{said:?}");
-    for (more, error) in [
-        (&["--at", "0.1"][..], "error: --at 0.1: not 2 numbers; write --at x,y"),
-        (&["--at", "a,0"], "error: --at a,0: not 2 numbers; write --at x,y"),
-        (&["--line", "0,0,1"], "error: --line 0,0,1: not 4 numbers; write --line x0,y0,x1,y1"),
-        (&["--at", "nan,0"], "error: --at nan,0: not 2 numbers; write --at x,y"),
-        (
-            &["--out", "v.csv"],
-            "error: --out: a .csv file has v at points; add --at or --line, or use .npz",
-        ),
-        (
-            &["--out", "v.pvd"],
-            "error: --out: a .pvd file lists meshes, which the square has not; use .vti",
-        ),
-    ] {
-        let said = project.run(&[&command[..], more].concat());
-        assert_eq!(said.refusal(), error);
-    }
-    let cube = ["solve", "--domain", "cube", "--f", "else=-1", "--at", "0,0"];
-    assert_eq!(project.run(&cube).refusal(), "error: --at 0,0: not 3 numbers; write --at x,y,z");
-}
-
-#[test]
 fn all_meshes_of_an_accuracy_are_listed_for_paraview() {
     let project = Project::with(TABLE);
     let f = "rect(-9,0,-9,0)=3; else=-2";

@@ -19,95 +19,134 @@ const AS_KEYS: [(&str, &str); 9] = [
     ("--h", "`h`"),
 ];
 
-/// Statement as options, and as keys of a scene besides f.
+/// Statement as options of `solve` besides f.
 struct Stated {
     f: String,
     options: Vec<(&'static str, String)>,
-    keys: String,
 }
 
+/// Options one of which a study varies, that of the first that is there; f where none is.
+const VARIED: [&str; 5] = ["h", "refine", "accuracy", "friction", "limit"];
+
 impl Stated {
-    /// Statement on the square or, refined so often, on a domain.
-    fn random(dice: &mut Dice) -> Self {
+    /// Statement whose answer has doubts, or none.
+    fn doubtful(dice: &mut Dice) -> Self {
         let size = dice.between(0.05, 4.0);
         let integral = -size / 100.0;
-        let [cells, times] = [["1/8", "1/16"], ["1", "2"]].map(|of| of[dice.below(2) as usize]);
-        let h = (vec![("h", cells.to_owned())], format!("h = \"{cells}\"\n"));
-        let mut stated = match dice.below(8) {
-            0 => Self::of(peak_with(integral), h, &[("load", "nodal")]),
-            1 => Self::of(peak_with(integral / 4.0), h, &[("load", "nodal")]),
-            2 => Self::of(format!("else={size:.4}"), h, &[]),
-            3 => Self::of(format!("else=-{size:.4}"), h, &[("friction", "0.01")]),
-            4 => Self::of(
+        let h = ("h", ["1/8", "1/16"][dice.below(2) as usize]);
+        let (f, more): (String, &[(&'static str, &str)]) = match dice.below(7) {
+            0 => (peak_with(integral), &[("load", "nodal")]),
+            1 => (peak_with(integral / 4.0), &[("load", "nodal")]),
+            2 => (format!("else={size:.4}"), &[]),
+            3 => (format!("else=-{size:.4}"), &[("friction", "0.01")]),
+            4 => (
                 format!("formula({size:.4}*x^2 - 3 + 400*exp(-4000*(x^2+y^2)))"),
-                h,
                 &[("load", "nodal")],
             ),
-            5 => Self::of(format!("else=-{size:.4}"), h, &[("tolerance", "1e-17")]),
-            6 => Self::of(
+            5 => (format!("else=-{size:.4}"), &[("tolerance", "1e-17")]),
+            _ => (
                 peak_with(integral),
-                h,
                 &[("solver", "arrow-hurwicz"), ("load", "nodal"), ("max_iterations", "7")],
             ),
-            _ => {
-                let refine = (vec![("refine", times.to_owned())], String::new());
-                let f = format!("rect(-1,0,-1,0)={size:.4}; else={:.4}", dice.between(-2.0, 0.5));
-                let mut of = Self::of(f, refine, &[]);
-                of.options.push(("domain", "lshape".into()));
-                of.keys += &format!("domain = {{ name = \"lshape\", refine = {times} }}\n");
-                of
-            }
         };
+        let mut stated = Self::of(f, &[&[h], more].concat());
         if dice.below(8) == 0
             && stated.option("solver").is_none()
             && stated.option("tolerance").is_none()
         {
             stated.options.push(("solver", "active-set".into()));
-            stated.keys = "solver = \"active-set\"\n".to_owned() + &stated.keys;
         }
         stated
     }
 
-    fn of(
-        f: String,
-        (mut options, fineness): (Vec<(&'static str, String)>, String),
-        more: &[(&'static str, &str)],
-    ) -> Self {
-        let (mut keys, mut tables) = (fineness, String::new());
-        for &(name, value) in more {
-            options.push((name, value.into()));
-            match name {
-                "load" => keys += &format!("load = {{ rule = \"{value}\" }}\n"),
-                "friction" => tables += &format!("[law]\nfriction = {value}\n"),
-                "solver" => {
-                    keys += &format!("solver = \"{value}\"\nr = [10]\nstop = [\"printed\"]\n");
-                }
-                _ => keys += &format!("{name} = {value}\n"),
-            }
+    /// Statement of any domain, law and solver.
+    fn any(dice: &mut Dice) -> Self {
+        let (size, elsewhere) = (dice.between(0.5, 4.0), dice.between(-2.0, 0.3));
+        let size = if dice.below(2) == 0 { size } else { -size };
+        let domain =
+            ["square", "square", "lshape", "disc", "annulus", "cube"][dice.below(6) as usize];
+        let f = match domain {
+            "cube" => format!("ball(0,0,0,0.25)={size:.3}; else={elsewhere:.3}"),
+            _ => format!("rect(-1,0,-1,0)={size:.3}; else={elsewhere:.3}"),
+        };
+        let mut stated = Self::of(f, &[("domain", domain)]);
+        let solvers = ["active-set", "arrow-hurwicz", "uzawa", "uzawa-proximal", "spectral"];
+        let solver = solvers.get(dice.below(10) as usize).copied();
+        let is_nested =
+            solver.is_some_and(|name| name.starts_with(['u', 'a']) && name != "active-set");
+        let in_plane = domain != "cube";
+        match (domain, solver) {
+            (_, Some("spectral")) if in_plane => {}
+            (_, None) if in_plane && dice.below(4) == 0 => stated.add("accuracy", "0.3"),
+            ("square", _) => stated.add("h", "1/8"),
+            ("cube", _) => stated.add("h", "1/4"),
+            _ => stated.add("refine", "1"),
         }
-        Self { f, options, keys: keys + &tables }
+        solver.iter().for_each(|solver| stated.add("solver", solver));
+        match dice.below(4) {
+            0 => stated.add("friction", &format!("{:.3}", dice.between(0.05, 1.5))),
+            1 => stated.add("limit", &format!("{:.3}", dice.between(0.2, 3.0))),
+            _ => {}
+        }
+        if domain == "annulus" && dice.below(2) == 0 {
+            stated.add("fixed", "inner");
+        }
+        if is_nested && dice.below(3) == 0 {
+            stated.add("max_iterations", "7");
+        }
+        stated
+    }
+
+    fn of(f: String, options: &[(&'static str, &str)]) -> Self {
+        let options = options.iter().map(|(name, value)| (*name, (*value).to_owned())).collect();
+        Self { f, options }
+    }
+
+    fn add(&mut self, name: &'static str, value: &str) {
+        self.options.push((name, value.into()));
     }
 
     fn option(&self, name: &str) -> Option<&str> {
         self.options.iter().find(|(known, _)| *known == name).map(|(_, value)| &**value)
     }
 
-    /// Arguments of `solve`; how fine is the list of a study, if it is `varied`.
+    /// Option that a study varies.
+    fn varied(&self) -> &str {
+        VARIED.into_iter().find(|name| self.option(name).is_some()).unwrap_or("f")
+    }
+
+    /// Arguments of `solve`; one of them is the list of a study, if it is `varied`.
     fn arguments(&self, varied: bool) -> Vec<String> {
-        let mut arguments = vec!["solve".into(), "--json".into(), "--f".into(), self.f.clone()];
-        for (name, value) in &self.options {
+        let mut arguments = vec!["solve".into(), "--json".into()];
+        for (name, value) in [&[("f", self.f.clone())][..], &self.options].concat() {
             let option = name.replace('_', "-");
-            let is_list = varied && ["h", "refine"].contains(name);
-            let named = if is_list { format!("vary={name}") } else { option };
-            arguments.push(format!("--{named}={value}"));
+            arguments.push(match varied && self.varied() == name {
+                true => format!("--vary={name}={value}|"),
+                false => format!("--{option}={value}"),
+            });
         }
         arguments
     }
 
+    /// Scene with a table that states the same.
     fn scene(&self) -> String {
-        let (top, law) = self.keys.split_once("[law]").unwrap_or((&self.keys, ""));
-        let law = if law.is_empty() { String::new() } else { format!("[law]{law}") };
-        format!("title = \"t\"\nf = \"{}\"\noutputs = [\"table\"]\n{top}{law}", self.f)
+        let mut text = format!("title = \"t\"\nf = \"{}\"\noutputs = [\"table\"]\n", self.f);
+        let mut domain = String::new();
+        for (name, value) in &self.options {
+            match *name {
+                "domain" => domain = format!("name = \"{value}\"{domain}"),
+                "refine" => domain += &format!(", refine = {value}"),
+                "fixed" => domain += &format!(", fixed = [\"{value}\"]"),
+                "h" | "solver" => text += &format!("{name} = \"{value}\"\n"),
+                "load" => text += &format!("load = {{ rule = \"{value}\" }}\n"),
+                "friction" | "limit" => text += &format!("law = {{ {name} = {value} }}\n"),
+                _ => text += &format!("{name} = {value}\n"),
+            }
+        }
+        match domain.is_empty() {
+            true => text,
+            false => format!("{text}domain = {{ {domain} }}\n"),
+        }
     }
 }
 
@@ -128,7 +167,7 @@ struct Spoken {
 /// Reason without the name of the problem before it.
 fn bare(text: &str) -> String {
     let text = text.trim().trim_start_matches("error: ");
-    let known = ["square: ", "lshape: "];
+    let known = ["square: ", "lshape: ", "disc: ", "annulus: ", "cube: "];
     known.iter().fold(text, |text, name| text.trim_start_matches(name)).to_owned()
 }
 
@@ -136,50 +175,74 @@ fn with_keys(text: &str) -> String {
     AS_KEYS.iter().fold(text.to_owned(), |text, (option, key)| text.replace(option, key))
 }
 
-/// Refused statements, and all others, of so many random ones that are said in all voices.
-fn said_in_all_voices(count: u64) -> [usize; 3] {
-    let (project, mut dice, mut kinds) = (Project::with(TABLE), Dice(7), [0; 3]);
+/// Statement as `solve --json` and a caller in Python state it, and what both say.
+struct Heard {
+    call: serde_json::Map<String, Value>,
+    expected: Value,
+    /// 0 if it was refused, 1 without a solution, 2 with a warning, 3 without.
+    kind: usize,
+}
+
+/// Numbers of statements that were refused, without a solution, with warnings and without, of so many random ones that
+/// are said in all voices.
+fn said_in_all_voices(count: u64) -> [usize; 4] {
+    let (project, mut dice, mut kinds) = (Project::with(TABLE), Dice(7), [0; 4]);
     let (mut calls, mut expected) = (Vec::new(), Vec::new());
     for number in 0..count {
-        let stated = Stated::random(&mut dice);
-        let [alone, row] = [false, true].map(|varied| {
-            let arguments = stated.arguments(varied);
-            project.run(&arguments.iter().map(String::as_str).collect::<Vec<_>>())
-        });
-        let answer: Value = serde_json::from_str(&alone.out).unwrap_or_default();
-        let reason = (alone.code != Some(0)).then(|| bare(alone.err.lines().last().unwrap()));
-        let of_solve = Spoken {
-            warnings: answer.get("warnings").cloned().unwrap_or(json!([])),
-            remedy: answer["remedy"].clone(),
-            reason,
+        let stated = match dice.below(2) {
+            0 => Stated::doubtful(&mut dice),
+            _ => Stated::any(&mut dice),
         };
-        let kind = if answer.is_null() { 0 } else { 1 + usize::from(of_solve.reason.is_none()) };
-        kinds[kind] += usize::from(kind < 2 || of_solve.warnings != json!([]));
-        // What was tried is no remedy.
-        let advice = format!("{:?} {:?}", of_solve.remedy, of_solve.reason);
-        for name in ["solver", "load"] {
-            let tried = stated.option(name).map(|value| format!("--{name} {value}"));
-            assert!(!tried.is_some_and(|tried| advice.contains(&tried)), "{advice}");
-        }
-        let row: Value = serde_json::from_str(&row.out).unwrap_or_else(|_| panic!("{row:?}"));
-        let of_study = Spoken {
-            warnings: row["warnings"].clone(),
-            remedy: row["remedy"].clone(),
-            reason: row["reason"].as_str().map(str::to_owned),
-        };
-        assert_eq!(of_study, of_solve, "{:?}", stated.arguments(true));
-        assert_member(&row, &answer);
-        assert_text(&project, &stated, &answer);
-        assert_run(&project, number, &stated, (&of_solve, &answer));
-        let mut options: serde_json::Map<String, Value> =
-            stated.options.iter().map(|(name, value)| ((*name).into(), json!(value))).collect();
-        options.insert("f".into(), json!(stated.f));
-        calls.push(options);
-        let failure = answer["failure"].as_str().map(str::to_owned);
-        expected.push(json!([of_solve.warnings, failure.or(of_solve.reason), timeless(&answer)]));
+        let heard = heard(&project, number, &stated);
+        kinds[heard.kind] += 1;
+        calls.push(heard.call);
+        expected.push(heard.expected);
     }
     assert_python(&calls, &expected);
     kinds
+}
+
+/// Checks what `solve`, a study and a run say of a statement.
+fn heard(project: &Project, number: u64, stated: &Stated) -> Heard {
+    let [alone, row] = [false, true].map(|varied| {
+        let arguments = stated.arguments(varied);
+        project.run(&arguments.iter().map(String::as_str).collect::<Vec<_>>())
+    });
+    let answer: Value = serde_json::from_str(&alone.out).unwrap_or_default();
+    let reason = (alone.code != Some(0)).then(|| bare(alone.err.lines().last().unwrap()));
+    let of_solve = Spoken {
+        warnings: answer.get("warnings").cloned().unwrap_or(json!([])),
+        remedy: answer["remedy"].clone(),
+        reason,
+    };
+    let kind = match (answer.is_null(), &of_solve.reason) {
+        (true, _) => 0,
+        (_, Some(_)) => 1,
+        (_, None) if of_solve.warnings != json!([]) => 2,
+        (_, None) => 3,
+    };
+    // What was tried is no remedy.
+    let advice = format!("{:?} {:?}", of_solve.remedy, of_solve.reason);
+    for name in ["solver", "load"] {
+        let tried = stated.option(name).map(|value| format!("--{name} {value}"));
+        assert!(!tried.is_some_and(|tried| advice.contains(&tried)), "{advice}");
+    }
+    let row: Value = serde_json::from_str(&row.out).unwrap_or_else(|_| panic!("{row:?} {alone:?}"));
+    let of_study = Spoken {
+        warnings: row["warnings"].clone(),
+        remedy: row["remedy"].clone(),
+        reason: row["reason"].as_str().map(str::to_owned),
+    };
+    assert_eq!(of_study, of_solve, "{:?}", stated.arguments(true));
+    assert_member(&row, &answer, stated.varied());
+    assert_text(project, stated, &answer);
+    assert_run(project, number, stated, (&of_solve, &answer));
+    let mut call: serde_json::Map<String, Value> =
+        stated.options.iter().map(|(name, value)| ((*name).into(), json!(value))).collect();
+    call.insert("f".into(), json!(stated.f));
+    let failure = answer["failure"].as_str().map(str::to_owned);
+    let expected = json!([of_solve.warnings, failure.or(of_solve.reason), timeless(&answer)]);
+    Heard { call, expected, kind }
 }
 
 /// Answer without its times.
@@ -190,10 +253,10 @@ fn timeless(answer: &Value) -> Value {
 }
 
 /// Checks that the only member of a study is the answer alone, in all fields but those of the command.
-fn assert_member(row: &Value, answer: &Value) {
+fn assert_member(row: &Value, answer: &Value, varied: &str) {
     assert_eq!(row["varied"].as_object().unwrap().len(), 1, "{row}");
     for (name, value) in answer.as_object().into_iter().flatten() {
-        if !["seconds", "not_as_in_scene"].contains(&name.as_str()) {
+        if !["seconds", "not_as_in_scene", varied].contains(&name.as_str()) {
             assert_eq!(row[name], *value, "{name}");
         }
     }
@@ -206,14 +269,18 @@ fn assert_text(project: &Project, stated: &Stated, answer: &Value) {
     let said = project.run(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
     assert_eq!(said.out.is_empty(), answer.is_null(), "{said:?}");
     let with_digits = |name: &str, digits| plain(answer[name].as_f64().unwrap(), digits);
-    if !answer.is_null() {
+    if let Some(steps) = answer["iterations"].as_u64().filter(|_| answer["grids"].is_null()) {
+        assert!(said.out.contains(&format!("({steps} Newton steps)")), "{said:?}");
+    } else if !answer.is_null() {
         let [least, greatest] = ["v_least", "v_greatest"].map(|name| with_digits(name, 6));
         let energy = with_digits("energy", 7);
         for line in [format!("energy {energy}\n"), format!("v from {least} to {greatest}\n")] {
             assert!(said.out.contains(&line), "{said:?}: {line}");
         }
-        let row = format!("{}  {}", answer["iterations"], answer["stop"].as_str().unwrap());
-        let words = said.out.split_whitespace().collect::<Vec<_>>().join("  ");
+        let sweeps = answer["sweeps"].as_u64().filter(|_| said.out.contains("sweeps  "));
+        let sweeps = sweeps.map_or(String::new(), |sweeps| format!(" {sweeps}"));
+        let row = format!("{}{sweeps} {}", answer["iterations"], answer["stop"].as_str().unwrap());
+        let words = said.out.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(words.contains(&row), "{said:?}: {row}");
     }
     let warnings = answer["warnings"].as_array().into_iter().flatten();
@@ -296,15 +363,18 @@ fn assert_python(calls: &[serde_json::Map<String, Value>], expected: &[Value]) {
 
 #[test]
 fn all_voices_say_the_same_of_an_answer() {
-    let [refused, failed, warned] = said_in_all_voices(24);
-    assert!(refused > 4 && failed > 0 && warned > 2, "{refused}, {failed}, {warned}");
+    let kinds = said_in_all_voices(100);
+    assert!(kinds.iter().zip([30, 10, 20, 5]).all(|(count, least)| *count >= least), "{kinds:?}");
 }
 
 #[test]
 #[ignore = "takes some minutes; run with --ignored"]
 fn all_voices_say_the_same_of_many_answers() {
-    let [refused, failed, warned] = said_in_all_voices(700);
-    assert!(refused + failed >= 300 && warned > 60, "{refused}, {failed}, {warned}");
+    let kinds = said_in_all_voices(700);
+    assert!(
+        kinds.iter().zip([200, 70, 140, 35]).all(|(count, least)| *count >= least),
+        "{kinds:?}"
+    );
 }
 
 /// Line of JSON of a study with one member.
@@ -366,6 +436,20 @@ fn a_table_marks_members_with_warnings_and_says_each_once() {
         said.out.contains("warning with solver = multigrid (2 members): the load vector"),
         "{said:?}"
     );
+}
+
+#[test]
+fn warnings_of_a_member_without_a_solution_stand_below_its_table() {
+    let project = Project::with(TABLE);
+    let f = "quadrant(ll)=-6; else=1.998; disc(3,3,1)=1";
+    let method = ["--solver=arrow-hurwicz", "--load=nodal", "--stop=signed", "--r=0.5"];
+    let arguments = [&["solve", "--vary", "h=1/8", "--f", f], &method[..]].concat();
+    let said = project.run(&arguments);
+    assert_eq!(said.code, Some(3), "{said:?}");
+    let text = said.out.split_whitespace().collect::<Vec<_>>().join(" ");
+    let warning =
+        "warning with h = 1/8: disc(3,3,1) of f lies outside [-0.5,0.5] and changes nothing";
+    assert!(text.contains("no solution with h = 1/8: ") && text.contains(warning), "{said:?}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Statements of a certificate on the tables, and the files of its bundle with their descriptions.
+//! Reservations of a certificate, and the files of its bundle with their descriptions.
 
 use crate::cli::pipeline::Workplace;
 use crate::pipeline::error::{IoContext, Result};
@@ -12,7 +12,6 @@ use crate::replication::stages::tabulate;
 use crate::timing::recorded;
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
 use serde::Serialize;
-use serde_json::{Value, json};
 use signorini_mathematics::saddle::StopRule;
 use std::fs;
 
@@ -97,66 +96,6 @@ fn media_type(path: &str) -> &'static str {
 /// Media type of meshes.
 const MESH: &str = "model/mesh";
 
-/// Returns a sentence on each table with the numbers of values that match, or one on the scenes if none is compared.
-pub(super) fn sentences(project: &Project, tables: &[TableComparison]) -> String {
-    if tables.is_empty() {
-        let names: Vec<_> = project.scenes.iter().map(|scene| scene.name.as_str()).collect();
-        return format!("Scenes: {}. No published table is compared.", names.join(", "));
-    }
-    tables.iter().map(sentence).collect::<Vec<_>>().join(" ")
-}
-
-fn sentence(table: &TableComparison) -> String {
-    format!(
-        "Table {}: {} of {} iteration counts come out exactly, {} of {} values of Delta a to the printed digits, and \
-         {}.",
-        table.table,
-        table.exact,
-        table.cells,
-        table.delta_a_exact,
-        table.rows.len(),
-        match table.cells - table.within_tolerance + table.rows.len() - table.delta_a_within {
-            0 => "every value within the declared tolerance".to_owned(),
-            1 => "one value is outside the declared tolerance".to_owned(),
-            n => format!("{n} values are outside the declared tolerance"),
-        }
-    )
-}
-
-/// Returns the cells of a table that differ from the printed ones.
-pub(super) fn differing(table: &TableComparison) -> Vec<Value> {
-    let mut cells = Vec::new();
-    for row in &table.rows {
-        let place = format!("Table {}, r = {}", table.table, row.r);
-        for level in (0..row.ours.len()).filter(|&level| !row.count_exact(level)) {
-            let (ours, paper) = (row.ours[level], row.paper[level]);
-            let verdict = match row.is_capped(level) {
-                true => "cut off by max_iterations".to_owned(),
-                false => {
-                    format!("{}: off by {}", tolerance(row.within[level]), ours.abs_diff(paper))
-                }
-            };
-            let place = format!("{place}, grid {}", level + 1);
-            cells.push(json!({ "place": place, "paper": paper, "ours": ours, "verdict": verdict }));
-        }
-        if !row.delta_a_exact() {
-            let ratio = row.delta_a_ours / row.delta_a_paper;
-            let factor = ratio.max(1.0 / ratio);
-            cells.push(json!({
-                "place": format!("{place}, Δa"),
-                "paper": format!("{:.1e}", row.delta_a_paper),
-                "ours": format!("{:.2e}", row.delta_a_ours),
-                "verdict": format!("{}: a factor of {factor:.2}", tolerance(row.delta_a_within)),
-            }));
-        }
-    }
-    cells
-}
-
-fn tolerance(within: bool) -> &'static str {
-    if within { "within tolerance" } else { "**outside** tolerance" }
-}
-
 /// Returns the reservations of the project itself about its right-hand sides and stopping rules.
 pub(super) fn reservations(project: &Project) -> Vec<&'static str> {
     let mut compared = project.scenes.iter().filter(|scene| scene.paper_table.is_some());
@@ -232,7 +171,7 @@ pub(super) fn files(
             files.push(File::new(path, comment, under.into_bytes()));
         }
         let comment = match scene.first_rule() {
-            _ if scene.study.is_some() => format!("numbers of the members of the study `{name}`"),
+            _ if scene.is_study => format!("numbers of the members of the study `{name}`"),
             Some(_) => format!("iteration counts and Delta a of scene `{name}`, rule by rule"),
             None => format!("energy and bounds of scene `{name}` by {}", scene.statement.solver),
         };

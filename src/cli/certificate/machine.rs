@@ -9,13 +9,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 pub(super) fn description() -> Vec<(&'static str, String)> {
     let system = machine::field("/etc/os-release", "PRETTY_NAME=")
         .unwrap_or_else(|| std::env::consts::OS.to_owned());
-    let memory = machine::field("/proc/meminfo", "MemTotal").unwrap_or_else(machine::unknown);
     vec![
         ("processor", machine::processor()),
-        ("cores", machine::cores().to_string()),
-        ("memory", memory),
         ("system", format!("{system} {}", machine::kernel()).trim().to_owned()),
-        ("architecture", std::env::consts::ARCH.to_owned()),
     ]
 }
 

@@ -49,37 +49,6 @@ pub(crate) fn command(of_scene: &Statement) -> Vec<String> {
     words
 }
 
-/// Returns a command as lines for a shell: `first`, then the words, broken between them or, where one is too long and
-/// in quotes, behind the semicolons of f; the quotes are then those in which a shell joins lines.
-pub(crate) fn lines(first: &str, words: &[String], width: usize) -> String {
-    let mut lines = vec![first.to_owned()];
-    for part in words.iter().flat_map(|word| parts(word, width)) {
-        let last = lines.len() - 1;
-        if lines[last].len() + part.len() + BREAK.len() < width {
-            lines[last] += &format!(" {part}");
-        } else {
-            lines[last] += BREAK;
-            lines.push(format!("{INDENT}{part}"));
-        }
-    }
-    lines.join("\n")
-}
-
-/// Returns the parts of a word between which a line may end.
-fn parts(word: &str, width: usize) -> Vec<String> {
-    let is_long = INDENT.len() + word.len() + BREAK.len() > width;
-    if !is_long || word.contains(['"', '$', '`', '\\']) {
-        return vec![word.to_owned()];
-    }
-    let word = word.replace('\'', "\"");
-    word.split_inclusive("; ").map(|part| part.trim_end().to_owned()).collect()
-}
-
-/// Beginning of a line that goes on with a command.
-const INDENT: &str = "    ";
-/// End of a line whose command goes on in the next.
-const BREAK: &str = " \\";
-
 /// Returns the text of a scene with a title, a statement and outputs.
 pub(crate) fn scene(title: &str, statement: &Statement, outputs: &[Output]) -> String {
     let outputs: Vec<_> = outputs.iter().map(Output::to_string).collect();

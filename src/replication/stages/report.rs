@@ -60,12 +60,12 @@ pub(crate) fn left_out(project: &Project) -> Option<String> {
 
 /// True if a page shows numbers or a map of the solution of a scene; a study has its table and chart.
 fn is_shown(scene: &Scene) -> bool {
-    scene.study.is_none() && (scene.wants(Output::Table) || scene.wants(Output::Map))
+    !scene.is_study && (scene.wants(Output::Table) || scene.wants(Output::Map))
 }
 
 /// Returns a rule or an output that the chapters show and the scene does not ask for, if there is one.
 fn missing_setting(scene: &Scene) -> Option<String> {
-    if let Some(rule) = chapters::RULES.iter().find(|rule| !scene.stop().contains(rule)) {
+    if let Some(rule) = chapters::RULES.iter().find(|rule| !scene.rules().contains(&Some(**rule))) {
         return Some(format!("\"{rule}\" to `stop`"));
     }
     let mut outputs = figures::KINDS
@@ -106,11 +106,11 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
     let has_notebook = project.templates.contains_key("templates/studies.md.tera");
     let studies = project.scenes.iter();
-    let studies = studies.filter_map(|scene| Some((&scene.name, scene.study.as_ref()?)));
+    let studies = studies.filter(|scene| scene.is_study);
     let pages = BookParts {
         problems: project.problems().into_iter().cloned().collect(),
         others,
-        studies: studies.map(|(name, study)| (name.clone(), study.clone())).collect(),
+        studies: studies.map(|scene| (scene.name.clone(), scene.study.clone())).collect(),
         notebook: if has_notebook { notebook::cells() } else { Vec::new() },
         left_out: left_out(project),
         stand_ins: project.stand_ins.clone(),
@@ -213,11 +213,10 @@ fn refuse_replaced<'a>(
     made: impl Iterator<Item = &'a String>,
 ) -> Result<(), Failure> {
     // A page is made of its template.
-    let own = |name: &&str| {
-        !templates.contains_key(*name) && !templates.contains_key(&format!("{name}.tera"))
-    };
-    let made = made.filter_map(|name| name.strip_prefix("src/")).filter(own);
-    let made: BTreeSet<&str> = made.collect();
+    let mut made: BTreeSet<&str> = made.filter_map(|name| name.strip_prefix("src/")).collect();
+    made.retain(|&name| {
+        !templates.contains_key(name) && !templates.contains_key(&format!("{name}.tera"))
+    });
     let users = files.keys().filter_map(|name| name.strip_prefix("src/"));
     match users.chain(templates.keys().map(String::as_str)).find(|name| made.contains(name)) {
         None => Ok(()),
