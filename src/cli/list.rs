@@ -87,10 +87,12 @@ fn list_scene(name: &str, json: bool) -> Result<u8> {
         Error::Unknown(text) => Error::Unknown(format!("{text}; or list {}", PARTS.join(", "))),
         other => other,
     });
-    let Scene { name, title, statement, study, .. } = found?;
-    // The members of a study are those of its file.
-    let of_study = study.map(|_| format!("signorini solve {}", in_shell(&name)));
-    let command = of_study.unwrap_or_else(|| command(&statement).join(" "));
+    let Scene { name, title, statement, is_study, .. } = found?;
+    let command = match is_study {
+        // The members of a study are those of its file.
+        true => format!("signorini solve {}", in_shell(&name)),
+        false => command(&statement).join(" "),
+    };
     let shown = SceneCommand { schema: 1, name, title, command };
     match json {
         true => say_json(&shown)?,

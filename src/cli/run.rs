@@ -11,8 +11,9 @@ use crate::pipeline::{Options, Plan, Progress, Summary, why};
 use crate::replication::comparison::{TableComparison, Tables};
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
+use crate::replication::stages::remarks::remarks;
 use crate::replication::stages::report::stand_ins::stand_ins;
-use crate::replication::stages::{Stage, report, scene_of, solve, study};
+use crate::replication::stages::{Stage, report, scene_of, solve};
 use clap::{Args, ValueEnum};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -277,13 +278,10 @@ impl RunArgs {
                 tables.iter().any(|table| table.scene == scene.name && table.all_counts_exact())
             };
             for scene in workplace.project.select(scenes)? {
-                let artifact =
-                    |task: &str, name: &str| outcomes_of(workplace, summary, (task, name));
-                let mut lines = study::remarks(scene, artifact);
                 if !is_as_published(scene) {
-                    lines.extend(solve::remarks(scene, |task| artifact(task, solve::NUMBERS)));
+                    let lines = remarks(scene, |task| numbers_of(workplace, summary, task));
+                    lines.iter().for_each(|line| talk(line));
                 }
-                lines.iter().for_each(|line| talk(line));
             }
         }
         Ok(())
@@ -295,7 +293,7 @@ impl RunArgs {
             summary.ran.iter().filter(|ran| Stage::of(&ran.task) == Some(Stage::Tabulate));
         let scenes = tabulated.filter_map(|ran| project.scene(scene_of(&ran.task)?).ok());
         // A study is not among all results.
-        if !self.scenes.is_empty() && scenes.into_iter().any(|scene| scene.study.is_none()) {
+        if !self.scenes.is_empty() && scenes.into_iter().any(|scene| !scene.is_study) {
             "a run that names no scene writes all counts to report/results.csv\n"
         } else {
             ""
@@ -303,15 +301,11 @@ impl RunArgs {
     }
 }
 
-/// Artifact of a task that solved something in this run.
-fn outcomes_of(
-    workplace: &Workplace,
-    summary: &Summary,
-    (task, artifact): (&str, &str),
-) -> Option<Vec<u8>> {
+/// Numbers of a task that solved something in this run.
+fn numbers_of(workplace: &Workplace, summary: &Summary, task: &str) -> Option<Vec<u8>> {
     summary.ran.iter().find(|ran| ran.task == task)?;
     let outputs = &summary.manifests.get(task)?.outputs;
-    workplace.store.artifacts(task, outputs).ok()?.remove(artifact)
+    workplace.store.artifacts(task, outputs).ok()?.remove(solve::NUMBERS)
 }
 
 /// A line that says what the book leaves out and why, if it is among the tasks and leaves anything out.

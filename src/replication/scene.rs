@@ -6,6 +6,7 @@ mod read;
 use crate::figures::Print;
 use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Result};
+use crate::replication::fields::member::Member;
 use crate::replication::mesh_files::find_mesh;
 pub use crate::replication::output::Output;
 use crate::replication::study::Study;
@@ -30,14 +31,13 @@ pub struct Scene {
     pub title: String,
     /// Number of the published table to compare with, if there is one.
     pub paper_table: Option<u8>,
-    /// Statement; of the runs of a saddle-point method, that of the one that is drawn, and of a study that of its first
-    /// member.
+    /// Statement; of several members that of the one that is drawn, and of a study that of the first.
     pub statement: Statement,
-    /// Runs of a saddle-point method; none for other solvers.
-    pub runs: Option<Runs>,
-    /// Members, if the scene varies something.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) study: Option<Study>,
+    /// Members: of a study all; of a saddle-point method one for each stopping rule and r, the first rule being the one
+    /// compared with the paper; else one alone.
+    pub(crate) study: Study,
+    /// True for a scene with the key `vary`, whose table has a row for each member, and which draws none.
+    pub(crate) is_study: bool,
     /// Form of its own pictures in print.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) picture: Option<Print>,
@@ -48,22 +48,6 @@ pub struct Scene {
     pub files: InputFiles,
 }
 
-/// Runs of a saddle-point method: one for each rule and r.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Runs {
-    /// Duality parameters.
-    pub r: Vec<f64>,
-    /// Stopping rules; the first is the one compared with the paper.
-    pub stop: Vec<StopRule>,
-}
-
-/// Stopping rule and r of one run of a saddle-point method.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct RuleAndR {
-    pub rule: StopRule,
-    pub r: f64,
-}
-
 impl Scene {
     /// Finds the mesh of the domain, if the scene has one, in the project in `root`, among the `known` files or else on
     /// the disk.
@@ -72,19 +56,12 @@ impl Scene {
     /// [`Error::Input`] and [`Error::Io`] if there is no such mesh.
     pub(crate) fn find_mesh(&mut self, root: &Path, known: &mut InputFiles) -> Result<()> {
         let mut files = InputFiles::new();
-        for statement in self.statements() {
-            let found = find_mesh(&statement.domain, root, known);
+        for member in &self.study.members {
+            let found = find_mesh(&member.statement.domain, root, known);
             files.extend(found.map_err(|e| in_scene(&self.name, e))?);
         }
         self.files = files;
         Ok(())
-    }
-
-    /// Statements: of a study those of its members, else the one.
-    pub(crate) fn statements(&self) -> impl Iterator<Item = &Statement> {
-        let members = self.study.iter().flat_map(|study| &study.members);
-        let one = Some(&self.statement).filter(|_| self.study.is_none());
-        one.into_iter().chain(members.map(|member| &member.statement))
     }
 
     /// Returns the law on the boundary.
@@ -97,51 +74,36 @@ impl Scene {
         self.statement.saddle.unwrap_or_default()
     }
 
-    /// Returns the duality parameters of the runs.
-    pub fn r(&self) -> &[f64] {
-        self.runs.as_ref().map_or(&[], |runs| &runs.r)
+    /// Returns the duality parameters under the first rule.
+    pub fn r(&self) -> Vec<f64> {
+        self.under(self.first_rule()).filter_map(Member::r).collect()
     }
 
-    /// Returns the stopping rules of the runs.
-    pub(crate) fn stop(&self) -> &[StopRule] {
-        self.runs.as_ref().map_or(&[], |runs| &runs.stop)
-    }
-
-    /// Returns the stopping rules of the scene, each of which has a table of its own; none for a solver without.
+    /// Returns the stopping rules of the members, each of which has a table of its own; none for a solver without.
     pub(crate) fn rules(&self) -> Vec<Option<StopRule>> {
-        match &self.runs {
-            Some(runs) => runs.stop.iter().copied().map(Some).collect(),
-            None => vec![None],
-        }
+        let mut rules: Vec<_> = self.study.members.iter().map(Member::rule).collect();
+        rules.dedup();
+        rules
     }
 
     /// Returns the first rule of the scene, that of its pictures.
     pub(crate) fn first_rule(&self) -> Option<StopRule> {
-        self.stop().first().copied()
+        self.study.members[0].rule()
     }
 
-    /// Returns the runs of the solver under a rule: of a saddle-point method one for each r.
-    pub(crate) fn runs(&self, rule: Option<StopRule>) -> Vec<Option<RuleAndR>> {
-        match (&self.runs, rule) {
-            (Some(runs), Some(rule)) => {
-                runs.r.iter().map(|&r| Some(RuleAndR { rule, r })).collect()
-            }
-            _ => vec![None],
-        }
+    /// Returns the members under a rule.
+    pub(crate) fn under(&self, rule: Option<StopRule>) -> impl Iterator<Item = &Member> {
+        self.study.members.iter().filter(move |member| member.rule() == rule)
     }
 
-    /// Returns the run of the solver under a rule that is drawn.
-    pub(crate) fn drawn(&self, rule: Option<StopRule>) -> Option<RuleAndR> {
-        Some(RuleAndR { rule: rule?, r: self.statement.saddle?.r })
-    }
-
-    /// Returns what a run asks.
-    pub(crate) fn of_run(&self, run: Option<RuleAndR>) -> Statement {
-        let saddle = self.statement.saddle;
-        let saddle = run.map_or(saddle, |RuleAndR { rule: stop, r }| {
-            saddle.map(|saddle| SaddleSettings { stop, r, ..saddle })
-        });
-        Statement { saddle, ..self.statement.clone() }
+    /// Returns the member under a rule that is drawn.
+    ///
+    /// # Panics
+    /// If the scene has no such rule.
+    pub(crate) fn drawn(&self, rule: Option<StopRule>) -> &Member {
+        let r = self.statement.saddle.map(|saddle| saddle.r);
+        let drawn = self.under(rule).find(|member| member.r() == r);
+        drawn.expect("validated: the r that is drawn is among those of each rule")
     }
 
     /// True if the scene asks for this output.
@@ -156,7 +118,7 @@ impl Scene {
 
     /// Returns the problem in the form that experiments take, if it belongs to a published table.
     pub fn table_problem(&self) -> Option<TableProblem> {
-        let (number, r) = (self.paper_table?, self.r().to_vec());
+        let (number, r) = (self.paper_table?, self.r());
         Some(TableProblem { number, r, statement: self.statement.clone() })
     }
 

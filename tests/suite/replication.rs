@@ -61,8 +61,9 @@ fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() 
     let project = project();
     for (name, rule, r) in ["problem1", "problem2"].into_iter().flat_map(|name| {
         let r = project.scene(name).unwrap().r();
-        let of = move |rule| r.iter().map(move |&r| (name, rule, r));
-        [StopRule::Signed, StopRule::Printed].into_iter().flat_map(of)
+        let rules =
+            r.into_iter().flat_map(|r| [StopRule::Signed, StopRule::Printed].map(|rule| (rule, r)));
+        rules.map(move |(rule, r)| (name, rule, r))
     }) {
         let scene = project.scene(name).unwrap();
         let load = |&grid: &Grid| load(grid, &scene.source(), scene.load());
@@ -107,7 +108,7 @@ fn the_general_formulas_on_the_papers_triangulation_give_every_count() {
     for name in ["problem1", "problem2"] {
         let scene = project.scene(name).unwrap();
         let mut rows = Vec::new();
-        for &r in scene.r() {
+        for &r in &scene.r() {
             let (grids, prolongation) = (&scene.grids()[..], Prolongation::Bilinear);
             let levels = NestedGrids { grids, prolongation };
             let (mut pair, mut counts, mut delta_a) = (Pair::zero(scene.grids()[0]), vec![], 0.0);

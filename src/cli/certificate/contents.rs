@@ -171,7 +171,7 @@ pub(super) fn files(
             files.push(File::new(path, comment, under.into_bytes()));
         }
         let comment = match scene.first_rule() {
-            _ if scene.study.is_some() => format!("numbers of the members of the study `{name}`"),
+            _ if scene.is_study => format!("numbers of the members of the study `{name}`"),
             Some(_) => format!("iteration counts and Delta a of scene `{name}`, rule by rule"),
             None => format!("energy and bounds of scene `{name}` by {}", scene.statement.solver),
         };

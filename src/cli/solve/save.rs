@@ -104,7 +104,7 @@ impl<'a> NewScene<'a> {
     /// Returns the scene with its text, which is checked: it has these members.
     fn with(self, text: String, members: &[Member]) -> Result<Self> {
         let scene = Scene::parse(self.name, &text).map_err(|e| self.refused(&e.to_string()))?;
-        if scene.study.as_ref().is_some_and(|study| study.members != members) {
+        if scene.is_study && scene.study.members != members {
             return Err(self.refused("no scene has these members; write one with `vary` by hand"));
         }
         Ok(Self { text, ..self })

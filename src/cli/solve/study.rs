@@ -17,7 +17,7 @@ use crate::replication::fields::vary::Vary;
 use crate::replication::mesh_files::path_of;
 use crate::replication::numbers::Numbers;
 use crate::replication::scene::Scene;
-use crate::replication::stages::study::AskedNumbers;
+use crate::replication::stages::solve::numbers;
 use crate::replication::study::{Study, WARNINGS, count_of};
 use crate::table::Table;
 use crate::timing::machine;
@@ -53,7 +53,7 @@ impl<'a> Asked<'a> {
     /// Returns the study for which the arguments and the scene that they name ask, checked but for whether its members
     /// have solutions; none if they ask for one solution.
     pub(super) fn read(args: &'a SolveArgs, scene: Option<&Scene>) -> Result<Option<Self>> {
-        let of_scene = scene.and_then(|scene| scene.study.as_ref());
+        let of_scene = scene.filter(|scene| scene.is_study).map(|scene| &scene.study);
         let study = match (of_scene, args.vary.is_empty()) {
             (None, true) if args.csv.is_some() => {
                 return Err(Error::input(
@@ -138,10 +138,9 @@ impl<'a> Asked<'a> {
         }
         let (_at_work, interrupt) = (at_work(), interrupted());
         let solved = self.study.members.par_iter().map(|Member { statement, .. }| {
-            let asked = AskedNumbers { statement: statement.clone() };
             let numbers = match interrupt.is_asked() {
                 true => Err(Error::Interrupted),
-                false => asked.numbers(self.voice, &self.files, interrupt.flag()),
+                false => numbers((statement, self.voice), &self.files, interrupt.flag()),
             };
             bar.iter().for_each(|bar| bar.inc(1));
             match numbers {

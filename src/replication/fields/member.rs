@@ -9,6 +9,8 @@ use crate::pipeline::names::composed;
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 use signorini_mathematics::problem::text::Written;
+use signorini_mathematics::saddle::StopRule;
+use signorini_mathematics::solvers::SaddleSettings;
 use signorini_mathematics::statement::{Fineness, Statement};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -24,6 +26,12 @@ pub(crate) struct Member {
     pub(crate) statement: Statement,
 }
 
+impl From<Statement> for Member {
+    fn from(statement: Statement) -> Self {
+        Self { numbers: BTreeMap::new(), statement }
+    }
+}
+
 /// Value of a field, or of a name in f, in a member.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) enum Varying {
@@ -36,10 +44,26 @@ pub(crate) enum Varying {
 }
 
 impl Member {
+    /// Stopping rule; none for a solver without.
+    pub(crate) fn rule(&self) -> Option<StopRule> {
+        Some(self.statement.saddle?.stop)
+    }
+
+    /// Duality parameter; none for a solver without.
+    pub(crate) fn r(&self) -> Option<f64> {
+        Some(self.statement.saddle?.r)
+    }
+
     /// Value of the field or the name in f that is called so; none if the statement has none.
     pub(crate) fn value(&self, name: &str) -> Option<Varying> {
         let number = self.numbers.get(name).copied().map(Varying::Number);
         number.or_else(|| field(name)?.varying(&self.statement))
+    }
+
+    /// Settings of a saddle-point method that tables and pictures show: its rule and r, with all else as usual.
+    pub(crate) fn rule_and_r(&self) -> Option<SaddleSettings> {
+        let SaddleSettings { stop, r, .. } = self.statement.saddle?;
+        Some(SaddleSettings { stop, r, ..SaddleSettings::default() })
     }
 
     /// Returns the member with options in place of fields that do not vary.

@@ -1,6 +1,6 @@
 //! Checks of a scene as a whole, of its outputs, and of its mesh.
 
-use super::{Runs, Scene, in_scene};
+use super::{Scene, in_scene};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::{in_shell, refuse_forbidden};
 use crate::replication::fields::Fields;
@@ -25,7 +25,7 @@ impl Scene {
     /// # Errors
     /// [`Error::Input`] if there is none, or the mesh does not fit; [`Error::Io`].
     pub fn check(&self) -> Result<Vec<String>> {
-        if self.study.is_some() {
+        if self.is_study {
             return Ok(Vec::new());
         }
         self.checked().map_err(|e| in_scene(&self.name, e))
@@ -71,25 +71,25 @@ impl Scene {
     /// Refuses outputs and keys that only a study has, or that a study does not have.
     pub(super) fn check_outputs(self, fields: &Fields) -> Reading<Self> {
         let has_axes = fields.chart.is_some();
-        if self.study.is_none() && fields.columns.is_some() {
+        if !self.is_study && fields.columns.is_some() {
             let text = "`columns` are of a study; add `vary`, or leave them out";
             return Err(Refused::new("columns", text));
         }
-        let text = match (&self.study, self.wants(Output::Chart)) {
-            (None, true) => "`chart` shows a study; add `vary`, or drop it from `outputs`".into(),
-            (None, false) if has_axes => {
+        let text = match (self.is_study, self.wants(Output::Chart)) {
+            (false, true) => "`chart` shows a study; add `vary`, or drop it from `outputs`".into(),
+            (false, false) if has_axes => {
                 "`chart` is of a study; add `vary`, or leave it out".into()
             }
-            (Some(_), false) if has_axes => {
+            (true, false) if has_axes => {
                 "`chart` has axes; add \"chart\" to `outputs`, or leave it out".into()
             }
-            (Some(_), _) => match self.other_than_of_studies() {
+            (true, _) => match self.other_than_of_studies() {
                 None => return Ok(self),
                 Some(output) => format!(
                     "`{output}` shows one solution; a study has \"table\" and \"chart\": drop it from `outputs`"
                 ),
             },
-            (None, false) => return Ok(self),
+            (false, false) => return Ok(self),
         };
         Err(Refused::new("outputs", text))
     }
@@ -102,23 +102,16 @@ impl Scene {
             return Err(Refused::new("law", text));
         }
         // The members of a study are checked one by one.
-        if self.study.is_none() {
+        if !self.is_study {
             self.check_on_domain()?;
         }
-        match &self.runs {
-            Some(runs) => runs.check(self.saddle().r)?,
-            None if self.wants(Output::History) => {
-                return Err(Refused::new(
-                    "outputs",
-                    format!(
-                        "`history` is of the saddle-point methods, not of {}; add solver = \"{}\", or drop it from \
-                     `outputs`",
-                        self.statement.solver,
-                        Solver::ArrowHurwicz
-                    ),
-                ));
-            }
-            None => (),
+        if self.statement.saddle.is_none() && self.wants(Output::History) {
+            let text = format!(
+                "`history` is of the saddle-point methods, not of {}; add solver = \"{}\", or drop it from `outputs`",
+                self.statement.solver,
+                Solver::ArrowHurwicz
+            );
+            return Err(Refused::new("outputs", text));
         }
         if let Some(output) = repeated(&self.outputs) {
             let text = format!("`outputs` lists {output} twice; remove one");
@@ -177,29 +170,6 @@ impl Scene {
                     "grid 1/{finest} needs more memory than is sensible; 1/{MOST_CELLS} is the finest"
                 ),
             ));
-        }
-        Ok(())
-    }
-}
-
-impl Runs {
-    /// Makes the checks that a parser cannot; `drawn` is the r that is drawn.
-    fn check(&self, drawn: f64) -> Reading<()> {
-        let empty = [("r", self.r.is_empty()), ("stop", self.stop.is_empty())];
-        if let Some((field, _)) = empty.into_iter().find(|(_, is_empty)| *is_empty) {
-            let example = "r = [10], stop = [\"signed\"]";
-            let text = format!("`r` and `stop` must not be empty; e.g. {example}");
-            return Err(Refused::new(field, text));
-        }
-        if let Some(r) = repeated(&self.r) {
-            return Err(Refused::new("r", format!("`r` lists {r} twice; remove one")));
-        }
-        if let Some(rule) = repeated(&self.stop) {
-            return Err(Refused::new("stop", format!("`stop` lists {rule} twice; remove one")));
-        }
-        if !self.r.contains(&drawn) {
-            let text = format!("`draw_r` = {drawn} is not among `r`; add it there");
-            return Err(Refused::new("draw_r", text));
         }
         Ok(())
     }

@@ -1,9 +1,10 @@
 //! Scenes from TOML: the statement that the keys of a file make or, of a study, those of its members.
 
-use super::{Runs, Scene};
+use super::Scene;
 use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Result, from_toml};
 use crate::replication::fields::Fields;
+use crate::replication::fields::lists::repeated;
 use crate::replication::fields::table::{Reading, Refused, Voice, field};
 use crate::replication::limits;
 use crate::replication::output::Output;
@@ -52,20 +53,16 @@ impl Scene {
         let base = if is_papers { of_the_tables(usual) } else { usual };
         let usual = base.saddle.unwrap_or_default();
         let statement = fields.over(base, Voice::Keys)?;
-        let runs = statement.saddle.map(|_| ()).map(|()| {
-            let r = if is_papers { PAPERS_R.to_vec() } else { vec![usual.r] };
-            Ok(Runs {
-                r: fields.r.clone().unwrap_or(r),
-                stop: fields.stop_rules(Voice::Keys)?.unwrap_or_else(|| vec![usual.stop]),
-            })
-        });
+        let r = if is_papers { PAPERS_R.to_vec() } else { vec![usual.r] };
+        let r = fields.r.clone().unwrap_or(r);
+        let stop = fields.stop_rules(Voice::Keys)?.unwrap_or_else(|| vec![usual.stop]);
         Ok(Self {
             name: name.to_owned(),
             title,
             paper_table: fields.paper_table,
+            study: expanded(&statement, &r, &stop)?,
             statement,
-            runs: runs.transpose()?,
-            study: None,
+            is_study: false,
             picture: fields.picture.clone(),
             outputs,
             files: InputFiles::new(),
@@ -82,7 +79,7 @@ impl Scene {
         }
         let mut first = None;
         let members = vary.members(fields, Voice::Keys, |fields| {
-            let member = Self::of(name, fields).and_then(Self::of_one_run)?;
+            let member = Self::of(name, fields).and_then(Self::of_one_member)?;
             let statement = member.statement.clone();
             first.get_or_insert(member);
             Ok(statement)
@@ -93,24 +90,48 @@ impl Scene {
         let is_drawn = first.wants(Output::Chart);
         study.chart = is_drawn.then(|| study.axes(fields.chart.as_ref())).transpose()?;
         study.columns = study.columns(fields.columns.as_deref())?;
-        Ok(Self { study: Some(study), ..first })
+        Ok(Self { study, is_study: true, ..first })
     }
 
     /// A member of a study, checked on its domain; it has one rule and one r.
-    fn of_one_run(self) -> Reading<Self> {
-        let several = self.runs.as_ref().and_then(|runs| {
-            let counts = [("r", runs.r.len()), ("stop", runs.stop.len())];
-            counts.into_iter().find(|(_, count)| *count > 1).map(|(field, _)| field)
-        });
-        if let Some(field) = several {
+    fn of_one_member(self) -> Reading<Self> {
+        if self.study.members.len() > 1 {
+            let field = if self.r().len() > 1 { "r" } else { "stop" };
             let text = format!(
                 "`{field}` has several values; in a study give one, or name them in `vary`"
             );
             return Err(Refused::new(field, text));
         }
         self.check_on_domain()?;
-        Ok(Self { runs: None, ..self })
+        Ok(self)
     }
+}
+
+/// Returns the members of a statement: of a saddle-point method one for each rule and r, else one.
+fn expanded(statement: &Statement, r: &[f64], stop: &[StopRule]) -> Reading<Study> {
+    let of = |saddle| Statement { saddle, ..statement.clone() };
+    let Some(drawn) = statement.saddle else { return Ok(Study::of(&[], vec![of(None).into()])) };
+    for (field, is_empty) in [("r", r.is_empty()), ("stop", stop.is_empty())] {
+        if is_empty {
+            let text = "`r` and `stop` must not be empty; e.g. r = [10], stop = [\"signed\"]";
+            return Err(Refused::new(field, text));
+        }
+    }
+    if let Some(r) = repeated(r) {
+        return Err(Refused::new("r", format!("`r` lists {r} twice; remove one")));
+    }
+    if let Some(rule) = repeated(stop) {
+        return Err(Refused::new("stop", format!("`stop` lists {rule} twice; remove one")));
+    }
+    if !r.contains(&drawn.r) {
+        let text = format!("`draw_r` = {} is not among `r`; add it there", drawn.r);
+        return Err(Refused::new("draw_r", text));
+    }
+    let mut members = Vec::new();
+    for &stop in stop {
+        members.extend(r.iter().map(|&r| of(Some(SaddleSettings { stop, r, ..drawn })).into()));
+    }
+    Ok(Study::of(&["stop", "r"].map(str::to_owned), members))
 }
 
 /// Returns the error of an unknown key with the table to which the key belongs, if there is one.

@@ -13,15 +13,33 @@ fn defaults_are_the_papers_for_its_tables_and_else_those_of_solve() {
     assert_eq!(papers.statement.solver, Solver::ArrowHurwicz);
     assert_eq!(papers.load(), LoadRule::default());
     assert_eq!(papers.r(), [1e6, 10.0, 5.0, 1.0, 0.5]);
-    assert_eq!(papers.stop(), [StopRule::Signed]);
+    assert_eq!(papers.rules(), [Some(StopRule::Signed)]);
     assert!(papers.wants(Output::Table) && !papers.wants(Output::Surface));
     let own = Scene::parse("s", GOOD).unwrap();
     assert_eq!((own.finest().cells(), own.statement.solver), (64, Solver::Multigrid));
     assert_eq!(own.load(), LoadRule::Bilinear {});
-    assert!(own.runs.is_none());
+    assert_eq!(own.rules(), [None]);
     let method = Scene::parse("s", &format!("{GOOD}solver = \"uzawa\"\n")).unwrap();
     assert_eq!(method.load(), own.load());
-    assert_eq!((method.r(), method.stop()), (&[10.0][..], &[StopRule::Printed][..]));
+    assert_eq!((method.r(), method.rules()), (vec![10.0], vec![Some(StopRule::Printed)]));
+}
+
+#[test]
+fn lists_of_rules_and_r_are_vary_written_short() {
+    let method = format!("{GOOD}solver = \"arrow-hurwicz\"\n");
+    let lists = "stop = [\"signed\", \"printed\"]\nr = [1, 10]\n";
+    let vary = "vary = { stop = [\"signed\", \"printed\"], r = [1, 10] }\n";
+    let [short, long] =
+        [lists, vary].map(|lines| Scene::parse("s", &format!("{method}{lines}")).unwrap());
+    assert_eq!((short.is_study, long.is_study), (false, true));
+    assert_eq!(short.study, long.study);
+    assert_eq!(short.drawn(Some(StopRule::Printed)), &short.study.members[3]);
+    for list in ["r = []\n", "stop = []\n"] {
+        for vary in ["", "vary = { friction = [1, 2] }\n"] {
+            let refused = Scene::parse("s", &format!("{method}{list}{vary}")).unwrap_err();
+            assert!(refused.to_string().contains("must not be empty"), "{list}");
+        }
+    }
 }
 
 #[test]

@@ -41,7 +41,8 @@ pub(crate) fn task(project: &Project, scene: &Scene, number: u8) -> Result<Task>
         )));
     }
     let paper = Paper { r: project.paper.r.clone(), table: vec![table.clone()] };
-    let solves = SolveOfRun::all(scene, vec![scene.first_rule()]);
+    let solves = scene.under(scene.first_rule()).map(|member| SolveOfRun::of(scene, member));
+    let solves: Vec<_> = solves.collect();
     let needs = solves.iter().map(|solve| solve.task.clone()).collect();
     let name = scene.name.clone();
     let compared = Compared { scene: name, solves, paper };
@@ -50,7 +51,7 @@ pub(crate) fn task(project: &Project, scene: &Scene, number: u8) -> Result<Task>
         let mut rows = Vec::new();
         for solve in solves {
             let levels = solve.numbers(inputs)?.levels();
-            rows.extend(solve.run.map(|run| tabulate::row(run.r, &levels)));
+            rows.extend(solve.saddle.map(|of| tabulate::row(of.r, &levels)));
         }
         let diff = paper.compare(number, scene, &rows)?;
         Ok(Artifacts::from([(DIFF.into(), to_json(&diff))]))

@@ -4,7 +4,7 @@ mod book;
 
 use super::identify::{self, FINDINGS};
 use super::solve::{self, HISTORY};
-use super::{from_json, sharing, study};
+use super::{from_json, members, sharing, study};
 use crate::figures::{
     ContactPanel, DrawnSolution, HistoryCurve, HistoryPanel, IdentifiabilityPanel, Picture,
     SolutionMap, contact, histories, identifiability, map_of_f, maps_of_f, surfaces,
@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::identify::Findings;
 use signorini_mathematics::problem::text::percent;
-use signorini_mathematics::solvers::{SaddleSettings, true_solution};
+use signorini_mathematics::solvers::true_solution;
 
 /// Kind of figure.
 pub(super) struct Kind {
@@ -137,16 +137,19 @@ fn titled(scene: &Scene) -> Scene {
 /// alone read.
 fn shown(kind: Output, scene: &Scene) -> Scene {
     let mut shown = Scene { outputs: vec![kind], ..scene.clone() };
-    let Some(runs) = &mut shown.runs else { return shown };
-    let drawn = shown.statement.saddle.unwrap_or_default();
-    shown.statement.saddle =
-        Some(SaddleSettings { r: drawn.r, stop: drawn.stop, ..SaddleSettings::default() });
-    if kind != Output::History {
-        runs.r = vec![drawn.r];
+    if scene.is_study {
+        return shown;
     }
-    if kind != Output::Contact {
-        runs.stop.truncate(1);
+    let drawn = scene.saddle();
+    let members = &mut shown.study.members;
+    members.retain(|member| {
+        (kind == Output::History || member.r().is_none_or(|r| r == drawn.r))
+            && (kind == Output::Contact || member.rule().is_none_or(|rule| rule == drawn.stop))
+    });
+    for member in members {
+        member.statement.saddle = member.rule_and_r();
     }
+    shown.statement.saddle = scene.drawn(scene.first_rule()).rule_and_r();
     shown
 }
 
@@ -154,13 +157,16 @@ fn shown(kind: Output, scene: &Scene) -> Scene {
 fn needs(output: Output, scene: &Scene) -> Vec<String> {
     match output {
         Output::Surface | Output::Map => vec![surface(scene)],
-        Output::History => solve::ids(scene, scene.first_rule()).collect(),
+        Output::History => {
+            let members = scene.under(scene.first_rule());
+            members.map(|member| members::id_of(scene, member)).collect()
+        }
         Output::Contact => {
             let drawn = scene.rules().into_iter().map(|rule| scene.drawn(rule));
-            drawn.map(|run| solve::id_of(scene, run)).collect()
+            drawn.map(|member| members::id_of(scene, member)).collect()
         }
         Output::Identify => vec![identify::id(scene)],
-        Output::Chart => study::members(scene).map(|(_, task)| task).collect(),
+        Output::Chart => members::ids(scene).collect(),
         Output::Source | Output::Table => Vec::new(),
     }
 }
@@ -220,7 +226,7 @@ pub(super) fn id(name: &str) -> String {
 
 /// The task whose pair is drawn as a surface.
 fn surface(scene: &Scene) -> String {
-    solve::id_of(scene, scene.drawn(scene.first_rule()))
+    members::id_of(scene, scene.drawn(scene.first_rule()))
 }
 
 fn draw(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
@@ -333,10 +339,10 @@ fn bounds(inputs: &Inputs, scenes: &[Scene]) -> Result<String, String> {
 
 fn history<'a>(scene: &'a Scene, inputs: &Inputs) -> Result<HistoryPanel<'a>, String> {
     let mut runs = Vec::new();
-    let drawn = scene.drawn(scene.first_rule()).map(|drawn| drawn.r);
-    for (task, r) in solve::ids(scene, scene.first_rule()).zip(scene.r()) {
-        let levels = from_json(inputs, &task, HISTORY)?;
-        let is_drawn = drawn == Some(*r);
+    let drawn = scene.drawn(scene.first_rule());
+    for (member, r) in scene.under(scene.first_rule()).zip(scene.r()) {
+        let levels = from_json(inputs, &members::id_of(scene, member), HISTORY)?;
+        let is_drawn = member == drawn;
         runs.push(HistoryCurve { label: format!("r = {r}"), is_drawn, levels });
     }
     Ok(HistoryPanel { title: &scene.title, grids: scene.grids(), runs })

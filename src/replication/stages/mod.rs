@@ -7,6 +7,8 @@ mod cost;
 pub(crate) mod diff;
 mod figures;
 mod identify;
+mod members;
+pub(crate) mod remarks;
 pub(crate) mod report;
 mod results;
 mod solutions;
@@ -14,6 +16,7 @@ pub(crate) mod solve;
 pub(crate) mod study;
 pub(crate) mod tabulate;
 
+use self::study::StudyTable;
 use crate::pipeline::error::Result;
 use crate::pipeline::{InputFiles, Inputs, Plan, Task, stage};
 use crate::replication::project::Project;
@@ -67,15 +70,12 @@ const PROGRAM: &str = env!("SIGNORINI_PROGRAM");
 pub(crate) fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) -> Result<Plan> {
     let mut tasks: Vec<Task> = Vec::new();
     for scene in scenes {
-        if scene.study.is_some() {
-            tasks.extend(study::tasks(scene));
-            continue;
-        }
-        for rule in scene.rules() {
-            tasks.extend(solve::tasks(scene, rule));
-        }
+        tasks.extend(solve::tasks(scene));
         if scene.wants(Output::Table) {
-            tasks.push(tabulate::task(scene));
+            tasks.push(match scene.is_study {
+                true => StudyTable::task(scene),
+                false => tabulate::task(scene),
+            });
         }
         if let Some(number) = scene.paper_table.filter(|_| scene.wants(Output::Table)) {
             tasks.push(diff::task(project, scene, number)?);

@@ -60,12 +60,12 @@ pub(crate) fn left_out(project: &Project) -> Option<String> {
 
 /// True if a page shows numbers or a map of the solution of a scene; a study has its table and chart.
 fn is_shown(scene: &Scene) -> bool {
-    scene.study.is_none() && (scene.wants(Output::Table) || scene.wants(Output::Map))
+    !scene.is_study && (scene.wants(Output::Table) || scene.wants(Output::Map))
 }
 
 /// Returns a rule or an output that the chapters show and the scene does not ask for, if there is one.
 fn missing_setting(scene: &Scene) -> Option<String> {
-    if let Some(rule) = chapters::RULES.iter().find(|rule| !scene.stop().contains(rule)) {
+    if let Some(rule) = chapters::RULES.iter().find(|rule| !scene.rules().contains(&Some(**rule))) {
         return Some(format!("\"{rule}\" to `stop`"));
     }
     let mut outputs = figures::KINDS
@@ -106,11 +106,11 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
     let needs: Vec<String> = earlier.iter().map(|task| task.id.clone()).collect();
     let has_notebook = project.templates.contains_key("templates/studies.md.tera");
     let studies = project.scenes.iter();
-    let studies = studies.filter_map(|scene| Some((&scene.name, scene.study.as_ref()?)));
+    let studies = studies.filter(|scene| scene.is_study);
     let pages = BookParts {
         problems: project.problems().into_iter().cloned().collect(),
         others,
-        studies: studies.map(|(name, study)| (name.clone(), study.clone())).collect(),
+        studies: studies.map(|scene| (scene.name.clone(), scene.study.clone())).collect(),
         notebook: if has_notebook { notebook::cells() } else { Vec::new() },
         left_out: left_out(project),
         stand_ins: project.stand_ins.clone(),

@@ -7,14 +7,14 @@ use crate::replication::comparison::TableComparison;
 use crate::replication::paper::{Paper, PublishedTable};
 use crate::replication::project::Project;
 use crate::replication::record::levels::LevelNumbers;
-use crate::replication::scene::{Output, RuleAndR, Scene};
+use crate::replication::scene::{Output, Scene};
 use polars::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::saddle::{StopRule, tolerance};
-use signorini_mathematics::solvers::Solver;
+use signorini_mathematics::solvers::{SaddleSettings, Solver};
 use std::io::Cursor;
 
 pub(super) const ID: &str = "diff/results";
@@ -25,7 +25,7 @@ pub(super) const FILE: &str = "results.csv";
 pub(super) fn task(project: &Project) -> Option<Task> {
     let mut scenes: Vec<&Scene> = project.scenes.iter().collect();
     // A study has a table of its own.
-    scenes.retain(|scene| scene.wants(Output::Table) && scene.study.is_none());
+    scenes.retain(|scene| scene.wants(Output::Table) && !scene.is_study);
     let joined = Joined {
         scenes: scenes.into_iter().map(Solves::of).collect(),
         paper: project.paper.clone(),
@@ -72,7 +72,7 @@ impl Solves {
             domain: scene.statement.domain.name.clone(),
             f: scene.statement.f.clone(),
             law: scene.statement.law,
-            runs: SolveOfRun::all(scene, scene.rules()),
+            runs: SolveOfRun::all(scene),
         }
     }
 
@@ -189,7 +189,7 @@ fn schema() -> PolarsResult<SchemaRef> {
 /// Solve on one grid, or without a grid.
 struct GridSolve<'a> {
     scene: &'a Solves,
-    run: Option<RuleAndR>,
+    saddle: Option<SaddleSettings>,
     /// Number of the grid among those where the solver ended, from 1.
     level: usize,
     found: LevelNumbers,
@@ -203,7 +203,7 @@ impl GridSolve<'_> {
     /// Place in the published table of the scene, if the paper prints r: the table and the number of its row.
     fn published_row<'p>(&self, paper: &'p Paper) -> Option<(&'p PublishedTable, usize)> {
         let table = paper.published(self.scene.paper_table?).ok()?;
-        let r = self.run?.r;
+        let r = self.saddle?.r;
         Some((table, paper.r.iter().position(|&printed| printed == r)?))
     }
 
@@ -222,13 +222,13 @@ impl GridSolve<'_> {
 
     /// True if the stopping rule was met; none for a solver without.
     fn met(&self) -> Option<bool> {
-        self.run?;
+        self.saddle?;
         Some(self.found.own_stop? == Stop::Converged)
     }
 
     /// One of the bounds; none under a rule, which stops where it says.
     fn bound(&self, bound: Option<f64>) -> Option<f64> {
-        bound.filter(|_| self.run.is_none())
+        bound.filter(|_| self.saddle.is_none())
     }
 }
 
@@ -242,7 +242,7 @@ fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>
             for (level, found) in (1..).zip(levels) {
                 solves.push(GridSolve {
                     scene,
-                    run: solve.run,
+                    saddle: solve.saddle,
                     level,
                     found,
                     reserve: numbers.reserve.clone(),
@@ -262,11 +262,11 @@ fn table(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
     df!(
         "problem" => column(solves, |solve| &*solve.scene.name),
         "solver" => column(solves, |solve| solve.scene.solver.entry().name),
-        "rule" => column(solves, |solve| solve.run.map(|run| run.rule.name())),
-        "r" => column(solves, |solve| solve.run.map(|run| run.r)),
+        "rule" => column(solves, |solve| solve.saddle.map(|of| of.stop.name())),
+        "r" => column(solves, |solve| solve.saddle.map(|of| of.r)),
         "cells" => column(solves, |solve| solve.found.cells.map(|cells| cells as i64)),
         "nodes" => column(solves, |solve| solve.found.nodes.map(|nodes| nodes as i64)),
-        "tolerance" => column(solves, |solve| solve.run.map(|_| tolerance(solve.level))),
+        "tolerance" => column(solves, |solve| solve.saddle.map(|_| tolerance(solve.level))),
         "iterations" => column(solves, |solve| Some(solve.found.iterations as i64)),
         "stop" => column(solves, |solve| &*solve.found.stop),
         "met" => column(solves, GridSolve::met),

@@ -3,15 +3,16 @@
 //!
 //! Central is [`Cell::run`], which solves as the command `solve` does.
 
+use super::members::id_of;
 use super::{artifact, from_json, to_json};
 use crate::pipeline::error::{Error, Failure, Result as Read};
-use crate::pipeline::names::in_shell;
-use crate::pipeline::{Artifacts, InputFiles, Inputs, Task};
+use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task};
+use crate::replication::fields::member::Member;
 use crate::replication::fields::table::Voice;
 use crate::replication::mesh_files;
 use crate::replication::numbers::Numbers;
-use crate::replication::record::{Grouped, Judge, Record};
-use crate::replication::scene::{Output, RuleAndR, Scene};
+use crate::replication::record::{Judge, Record};
+use crate::replication::scene::{Output, Scene};
 use crate::timing::machine;
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::{Accuracy, Bounds};
@@ -19,9 +20,8 @@ use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::problem::text::percent;
 use signorini_mathematics::saddle::{Iteration, Monitor, Pair, StopRule};
-use signorini_mathematics::solvers::{Memory, ReachEnd, Solved, Tried, Watcher};
+use signorini_mathematics::solvers::{Memory, ReachEnd, SaddleSettings, Solved, Tried, Watcher};
 use signorini_mathematics::statement::{Fineness, Statement};
-use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -37,6 +37,9 @@ pub(super) struct Cell {
     /// True for a scene of a published table.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     is_papers: bool,
+    /// True for a member of a study, whose row says why there is no solution.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    is_row: bool,
 }
 
 /// Artifact with the [`Numbers`] of a solve.
@@ -49,31 +52,18 @@ const MARKS: &str = "marks.u32";
 /// Artifact with every [`Iteration`], per grid.
 pub(super) const HISTORY: &str = "history.json";
 
-/// Id of the task of a run of a scene.
-pub(super) fn id_of(scene: &Scene, run: Option<RuleAndR>) -> String {
-    match run {
-        Some(RuleAndR { rule, r }) => id(scene, rule, r),
-        None => format!("solve/{}", scene.name),
-    }
-}
-
-/// Id of the task of a saddle-point method under a rule with this r.
-pub(super) fn id(scene: &Scene, rule: StopRule, r: f64) -> String {
-    format!("solve/{}/{rule}/r={r}", scene.name)
-}
-
-/// Ids of the tasks that solve a scene under a rule, one per r.
-pub(super) fn ids(scene: &Scene, rule: Option<StopRule>) -> impl Iterator<Item = String> {
-    scene.runs(rule).into_iter().map(|run| id_of(scene, run))
-}
-
-/// The tasks that solve those cells of a scene under a rule for which a table or a figure asks.
-pub(super) fn tasks(scene: &Scene, rule: Option<StopRule>) -> Vec<Task> {
+/// The tasks that solve those members of a scene for which a table or a figure asks.
+pub(super) fn tasks(scene: &Scene) -> Vec<Task> {
     let mut tasks = Vec::new();
-    for run in scene.runs(rule) {
-        let cell = cell(scene, run);
-        if scene.wants(Output::Table) || cell.keep_pair || cell.keep_history {
-            tasks.push(task(id_of(scene, run), cell, scene.files.clone()));
+    for member in &scene.study.members {
+        let cell = cell(scene, member);
+        if scene.wants(Output::Table) || cell.is_row || cell.keep_pair || cell.keep_history {
+            let path = mesh_files::path_of(&member.statement.domain);
+            let file = path.and_then(|path| scene.files.get_key_value(&path));
+            let files = file.map(|(path, file)| (path.clone(), file.clone())).into_iter().collect();
+            tasks.push(
+                Task::new(id_of(scene, member), &cell, Vec::new(), Cell::made).with_files(files),
+            );
         }
     }
     tasks
@@ -94,24 +84,19 @@ pub(super) fn stops(scene: &Scene) -> Result<Vec<(Grid, Pair)>, Failure> {
     Ok(scene.grids().into_iter().zip(pairs).collect())
 }
 
-fn cell(scene: &Scene, run: Option<RuleAndR>) -> Cell {
-    let rule = run.map(|run| run.rule);
+fn cell(scene: &Scene, member: &Member) -> Cell {
+    let rule = member.rule();
     let is_first_rule = rule == scene.first_rule();
     Cell {
-        statement: scene.of_run(run),
-        keep_pair: run == scene.drawn(rule)
+        statement: member.statement.clone(),
+        keep_pair: !scene.is_study
+            && member == scene.drawn(rule)
             && ((is_first_rule && (scene.wants(Output::Surface) || scene.wants(Output::Map)))
                 || scene.wants(Output::Contact)),
         keep_history: scene.wants(Output::History) && is_first_rule,
         is_papers: scene.paper_table.is_some(),
+        is_row: scene.is_study,
     }
-}
-
-fn task(id: String, cell: Cell, files: InputFiles) -> Task {
-    Task::new(id, &cell, Vec::new(), |cell, inputs| {
-        cell.artifacts(inputs.files, inputs.interrupted)
-    })
-    .with_files(files)
 }
 
 /// Solves a statement; a mesh is read from these files, and refined for values at nodes if `has_nodes`. Between two
@@ -132,7 +117,36 @@ pub(super) fn solved(
     }
 }
 
+/// Returns the numbers of a statement, or the reason for which there is no solution, in this voice; a mesh is read from
+/// these files.
+///
+/// # Errors
+/// [`Error::Interrupted`].
+pub(crate) fn numbers(
+    (statement, voice): (&Statement, Voice),
+    files: &InputFiles,
+    interrupted: &AtomicBool,
+) -> Read<Numbers> {
+    match solved((statement, voice), files, false, &mut Recorder::new(interrupted)) {
+        Ok(solved) => {
+            let record = Judge { statement, voice, is_papers: false }.record(&solved);
+            Ok(Numbers::of(statement, &solved, &record))
+        }
+        Err(Error::Interrupted) => Err(Error::Interrupted),
+        Err(reason) => Ok(Numbers::without(statement, reason.to_string())),
+    }
+}
+
 impl Cell {
+    fn made(&self, inputs: &Inputs) -> Made {
+        if self.is_row {
+            let asked = (&self.statement, Voice::Keys);
+            let numbers = numbers(asked, inputs.files, inputs.interrupted)?;
+            return Ok(Artifacts::from([(NUMBERS.to_owned(), to_json(&numbers))]));
+        }
+        self.artifacts(inputs.files, inputs.interrupted)
+    }
+
     /// Solves; a mesh is read from these files.
     fn run<'a>(
         &self,
@@ -238,7 +252,7 @@ pub(super) fn state(
     scene: &Scene,
     rule: Option<StopRule>,
 ) -> Result<String, String> {
-    if let Some(RuleAndR { rule, r }) = scene.drawn(rule) {
+    if let Some(SaddleSettings { stop: rule, r, .. }) = scene.drawn(rule).statement.saddle {
         return Ok(format!("where the rule {rule} stops, r = {r}"));
     }
     Ok(match (no_solution(&drawn(inputs, scene, rule)?), scene.statement.accuracy()) {
@@ -265,91 +279,22 @@ pub(super) fn warnings_in_words(scene: &Scene, numbers: &Numbers) -> String {
 /// Returns the warnings and the guaranteed bounds of a scene in sentences with a space behind them; nothing if it has
 /// none.
 pub(super) fn bounds_in_words(scene: &Scene, numbers: &Numbers) -> String {
-    let guarantee = numbers.guarantee().filter(|_| scene.runs.is_none());
+    let guarantee = numbers.guarantee().filter(|_| scene.statement.saddle.is_none());
     let sentence = guarantee.map(|of| format!("Guaranteed{}: {}. ", of.but, of.parts.join(", ")));
     warnings_in_words(scene, numbers) + &sentence.unwrap_or_default()
 }
 
 /// Guaranteed bounds that a picture of a scene has; none under a rule, which stops where it says.
 pub(super) fn bounds(scene: &Scene, numbers: &Numbers) -> Option<Bounds> {
-    numbers.bounds().filter(|_| scene.runs.is_none())
+    numbers.bounds().filter(|_| scene.statement.saddle.is_none())
 }
 
 /// Returns the name, in a picture, of the solve of a scene under a rule with the r that is drawn.
 pub(super) fn label(scene: &Scene, rule: Option<StopRule>) -> String {
-    match scene.drawn(rule) {
-        Some(RuleAndR { rule, r }) => format!("stop: {rule}, r = {r}"),
+    match scene.drawn(rule).statement.saddle {
+        Some(SaddleSettings { stop, r, .. }) => format!("stop: {stop}, r = {r}"),
         None => scene.statement.solver.entry().in_words.to_owned(),
     }
-}
-
-/// Number of solves that a line names, and of lines of warnings.
-const MOST_NAMED: usize = 3;
-
-/// Returns lines on the solves of a scene that ended without a solution on the finest level, with a command that shows
-/// one of them, and on the warnings of the others; `artifact` reads the [`NUMBERS`] of a task, or returns `None` for a
-/// task that is not concerned.
-pub(crate) fn remarks(scene: &Scene, artifact: impl Fn(&str) -> Option<Vec<u8>>) -> Vec<String> {
-    let (mut ends, mut warned) = (BTreeMap::new(), Grouped::default());
-    let mut command = None;
-    for run in scene.rules().into_iter().flat_map(|rule| scene.runs(rule)) {
-        let Some(bytes) = artifact(&id_of(scene, run)) else { continue };
-        let Ok(numbers) = serde_json::from_slice::<Numbers>(&bytes) else { continue };
-        let (place, of_run) = named(scene, run);
-        if numbers.reason.is_some() {
-            let end = numbers.stop.unwrap_or_default();
-            let places: &mut Vec<String> = ends.entry(end).or_default();
-            places.extend(place);
-            command.get_or_insert(of_run);
-            continue;
-        }
-        let remedy = numbers.remedy.map_or(String::new(), |remedy| format!("; {remedy}"));
-        for (k, fact) in numbers.warnings.iter().enumerate() {
-            let is_last = k + 1 == numbers.warnings.len();
-            let text = format!("{fact}{}", if is_last { &remedy } else { "" });
-            warned.add(text, place.clone().unwrap_or_default());
-        }
-    }
-    let mut lines = Vec::new();
-    if let Some(command) = command {
-        let ends = ends.into_iter().map(|(end, places)| format!("{end}{}", with(&places)));
-        let ends = ends.collect::<Vec<_>>().join("; ");
-        lines.push(format!("{}: {ends}; `{command}` says why", scene.name));
-    }
-    for (warning, places) in warned.first(MOST_NAMED) {
-        let places = if places[0].is_empty() { String::new() } else { with(places) };
-        lines.push(format!("{}: warning{places}: {warning}", scene.name));
-    }
-    let more = warned.beyond(MOST_NAMED);
-    if more > 0 {
-        lines.push(format!("{}: {more} more warnings", scene.name));
-    }
-    lines
-}
-
-/// Returns the name of a run of a scene, if it has several, and the command that solves it.
-fn named(scene: &Scene, run: Option<RuleAndR>) -> (Option<String>, String) {
-    let mut command = format!("signorini solve {}", in_shell(&scene.name));
-    let place = run.map(|RuleAndR { rule, r }| {
-        let mut place = format!("r = {r}");
-        command += &format!(" --r {r}");
-        if Some(rule) != scene.first_rule() {
-            place += &format!(" under {rule}");
-            command += &format!(" --stop {rule}");
-        }
-        place
-    });
-    (place, command)
-}
-
-/// Returns the first places, and the number of the others; nothing of none.
-fn with(places: &[String]) -> String {
-    let named = &places[..places.len().min(MOST_NAMED)];
-    let more = match places.len() - named.len() {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
-    if named.is_empty() { String::new() } else { format!(" with {}{more}", named.join(", ")) }
 }
 
 /// Returns the problem of a scene on the levels on which it was solved: those of the scene or, for an accuracy, the
@@ -358,7 +303,7 @@ pub(super) fn problem(inputs: &Inputs, scene: &Scene) -> Result<Problem, Failure
     let mut statement = scene.statement.clone();
     if statement.accuracy().is_some() {
         let mesh = mesh_files::mesh(&statement, inputs.files)?;
-        let task = id_of(scene, None);
+        let task = id_of(scene, scene.drawn(None));
         if let (Some(mesh), Ok(marks)) = (&mesh, artifact(inputs, &task, MARKS)) {
             let problem = statement.problem_on_bisected(mesh, &marks_of(marks)?);
             return Ok(problem.map_err(|e| e.to_string())?);

@@ -1,112 +1,20 @@
-//! Tasks of a study: one for each member, the table of all, and its chart.
+//! The table of a study, and its chart.
 
-use super::solve::{self, NUMBERS, Recorder};
-use super::{from_json, tabulate, to_json};
+use super::members::{id_in_study, ids};
+use super::solve::NUMBERS;
+use super::{from_json, tabulate};
 use crate::figures::{Chart, Curve, Picture, Scale, Stroke, axes_alone, charts};
-use crate::pipeline::error::Error;
-use crate::pipeline::names::in_shell;
-use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task, hash};
+use crate::pipeline::{Inputs, Made, Task};
 use crate::replication::fields::member::Member;
-use crate::replication::fields::table::Voice;
-use crate::replication::mesh_files::path_of;
 use crate::replication::numbers::Numbers;
-use crate::replication::record::Judge;
-use crate::replication::scene::{Output, Scene};
+use crate::replication::scene::Scene;
 use crate::replication::study::{Axes, Study, of_axis};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use signorini_mathematics::statement::Statement;
-use std::sync::atomic::AtomicBool;
-
-/// Returns the tasks of a study.
-pub(super) fn tasks(scene: &Scene) -> Vec<Task> {
-    let mut tasks = Vec::new();
-    for (member, task) in members(scene) {
-        let Member { statement, .. } = member;
-        let path = path_of(&statement.domain);
-        let file = path.and_then(|path| scene.files.get_key_value(&path));
-        let files = file.map(|(path, file)| (path.clone(), file.clone())).into_iter().collect();
-        let asked = AskedNumbers { statement: statement.clone() };
-        tasks.push(Task::new(task, &asked, Vec::new(), AskedNumbers::made).with_files(files));
-    }
-    if scene.wants(Output::Table) {
-        tasks.extend(StudyTable::task(scene));
-    }
-    tasks
-}
-
-/// Returns the members of a scene, each with the id of its task.
-pub(super) fn members(scene: &Scene) -> impl Iterator<Item = (&Member, String)> {
-    let mut members = Vec::new();
-    if let Some(study) = &scene.study {
-        for member in &study.members {
-            members.push((member, id(&scene.name, study, member)));
-        }
-    }
-    members.into_iter()
-}
-
-/// Most bytes of the names and values in the id of a task, which names files.
-const MOST_BYTES: usize = 120;
-
-/// Id of the task of a member: with its values, so that it stays when others are added, and no other member has it.
-fn id(scene: &str, study: &Study, member: &Member) -> String {
-    let mut pairs = Vec::new();
-    for (name, value) in study.names.iter().zip(study.values(member)) {
-        // A digest begins with what no other name has.
-        let shown =
-            value.file_name().unwrap_or_else(|| format!("~{}", digest(&json!(value).to_string())));
-        pairs.push(format!("{name}={shown}"));
-    }
-    let pairs = pairs.join(",");
-    let pairs = if pairs.len() <= MOST_BYTES { pairs } else { digest(&pairs) };
-    format!("solve/{scene}/{pairs}")
-}
-
-/// Returns some digits of the hash of a text.
-fn digest(text: &str) -> String {
-    hash(text.as_bytes())[..16].to_owned()
-}
-
-/// Statement of a member of which numbers are asked for.
-#[derive(Serialize, Deserialize)]
-pub(crate) struct AskedNumbers {
-    pub(crate) statement: Statement,
-}
-
-impl AskedNumbers {
-    fn made(&self, inputs: &Inputs) -> Made {
-        let numbers = self.numbers(Voice::Keys, inputs.files, inputs.interrupted)?;
-        Ok(Artifacts::from([(NUMBERS.to_owned(), to_json(&numbers))]))
-    }
-
-    /// Returns the numbers, or the reason for which there is no solution, in this voice; a mesh is read from these
-    /// files.
-    ///
-    /// # Errors
-    /// [`Error::Interrupted`].
-    pub(crate) fn numbers(
-        &self,
-        voice: Voice,
-        files: &InputFiles,
-        interrupted: &AtomicBool,
-    ) -> Result<Numbers, Error> {
-        let statement = &self.statement;
-        let mut recorder = Recorder::new(interrupted);
-        match solve::solved((statement, voice), files, false, &mut recorder) {
-            Ok(solved) => {
-                let record = Judge { statement, voice, is_papers: false }.record(&solved);
-                Ok(Numbers::of(statement, &solved, &record))
-            }
-            Err(Error::Interrupted) => Err(Error::Interrupted),
-            Err(reason) => Ok(Numbers::without(statement, reason.to_string())),
-        }
-    }
-}
 
 /// Study of a scene with this name.
 #[derive(Serialize, Deserialize)]
-struct StudyTable {
+pub(super) struct StudyTable {
     name: String,
     study: Study,
 }
@@ -116,12 +24,11 @@ const MOST_REMARKS: usize = 3;
 
 impl StudyTable {
     /// The task that makes the table of a study.
-    fn task(scene: &Scene) -> Option<Task> {
-        let study = Study { chart: None, ..scene.study.clone()? };
-        let needs = members(scene).map(|(_, task)| task).collect();
+    pub(super) fn task(scene: &Scene) -> Task {
+        let study = Study { chart: None, ..scene.study.clone() };
         let tabulated = Self { name: scene.name.clone(), study };
-        let task = Task::new(tabulate::id(scene), &tabulated, needs, Self::made);
-        Some(task.exported_to(tabulate::FOLDER))
+        let needs = ids(scene).collect();
+        Task::new(tabulate::id(scene), &tabulated, needs, Self::made).exported_to(tabulate::FOLDER)
     }
 
     fn made(&self, inputs: &Inputs) -> Made {
@@ -149,7 +56,7 @@ impl StudyTable {
 /// Returns the numbers of all members of the study of a scene.
 fn all_numbers(inputs: &Inputs, scene: &str, study: &Study) -> Result<Vec<Numbers>, String> {
     let members = study.members.iter();
-    members.map(|member| from_json(inputs, &id(scene, study, member), NUMBERS)).collect()
+    members.map(|member| from_json(inputs, &id_in_study(scene, study, member), NUMBERS)).collect()
 }
 
 /// Returns the rows of the study of a scene, as [`Study::rows`].
@@ -157,44 +64,14 @@ pub(super) fn rows(inputs: &Inputs, scene: &str, study: &Study) -> Result<Value,
     Ok(json!(study.rows(&all_numbers(inputs, scene, study)?)))
 }
 
-/// Returns a line on the members of a study that have no solution, and one on those with warnings; `outcome` reads the
-/// artifact of this name of a task, or returns `None` for a task that is not concerned.
-pub(crate) fn remarks(
-    scene: &Scene,
-    outcome: impl Fn(&str, &str) -> Option<Vec<u8>>,
-) -> Vec<String> {
-    let (mut without, mut warned, mut count) = (0, 0, 0);
-    for (_, task) in members(scene) {
-        count += 1;
-        let numbers = outcome(&task, NUMBERS);
-        let numbers = numbers.and_then(|bytes| serde_json::from_slice::<Numbers>(&bytes).ok());
-        without += usize::from(numbers.as_ref().is_some_and(|of| of.reason.is_some()));
-        warned += usize::from(numbers.is_some_and(|of| !of.warnings.is_empty()));
-    }
-    let says = match scene.wants(Output::Table) {
-        true => format!("{}/{}", tabulate::FOLDER, tabulate::file(scene)),
-        false => format!("`signorini solve {}`", in_shell(&scene.name)),
-    };
-    let mut lines = Vec::new();
-    for (number, what, verb) in
-        [(without, "without a solution", "says why"), (warned, "with warnings", "has them")]
-    {
-        if number > 0 {
-            lines
-                .push(format!("{}: {number} of {count} members {what}; {says} {verb}", scene.name));
-        }
-    }
-    lines
-}
-
 /// Draws the chart of a study: a curve for each of the other values that are varied.
 pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
-    let study = scene.study.as_ref().ok_or("a chart is of a study")?;
+    let study = &scene.study;
     let axes = study.chart.as_ref().ok_or("the study has no chart")?;
     let mut curves: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
     // Reason of the first member without a solution, and number of those with one that are not on the axes.
     let (mut reason, mut left_out) = (None, 0);
-    for (member, task) in members(scene) {
+    for (member, task) in study.members.iter().zip(ids(scene)) {
         let numbers: Numbers = from_json(inputs, &task, NUMBERS)?;
         let label = axes.label(study, member);
         let place = curves.iter().position(|(known, _)| *known == label);

@@ -1,19 +1,21 @@
 //! The `tabulate` stage: the cells of one scene as a table, for each stopping rule in the layout of the paper.
 
-use super::from_json;
-use super::solve::{self, NUMBERS};
+use super::solve::NUMBERS;
+use super::{from_json, members};
 use crate::pipeline::{Artifacts, Inputs, Made, Task};
 use crate::replication::columns::shown;
 use crate::replication::comparison::Row;
+use crate::replication::fields::member::Member;
 use crate::replication::numbers::Numbers;
 use crate::replication::record::Grouped;
 use crate::replication::record::levels::LevelNumbers;
-use crate::replication::scene::{RuleAndR, Scene};
+use crate::replication::scene::Scene;
 use crate::table::{Table, in_markdown};
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::problem::text::interval;
 use signorini_mathematics::saddle::StopRule;
+use signorini_mathematics::solvers::SaddleSettings;
 
 /// Folder of the tables in the project.
 pub(crate) const FOLDER: &str = "report/tables";
@@ -124,14 +126,19 @@ struct Tabulated {
 #[derive(Serialize, Deserialize)]
 pub(super) struct SolveOfRun {
     pub(super) task: String,
-    pub(super) run: Option<RuleAndR>,
+    /// Rule and r of a saddle-point method; none of other solvers.
+    pub(super) saddle: Option<SaddleSettings>,
 }
 
 impl SolveOfRun {
-    /// Solves of a scene under these rules, in the order of the rows.
-    pub(super) fn all(scene: &Scene, rules: Vec<Option<StopRule>>) -> Vec<Self> {
-        let runs = rules.into_iter().flat_map(|rule| scene.runs(rule));
-        runs.map(|run| Self { task: solve::id_of(scene, run), run }).collect()
+    /// Solve of a member of a scene.
+    pub(super) fn of(scene: &Scene, member: &Member) -> Self {
+        Self { task: members::id_of(scene, member), saddle: member.rule_and_r() }
+    }
+
+    /// Solves of a scene, in the order of the rows.
+    pub(super) fn all(scene: &Scene) -> Vec<Self> {
+        scene.study.members.iter().map(|member| Self::of(scene, member)).collect()
     }
 
     pub(super) fn numbers(&self, inputs: &Inputs) -> Result<Numbers, String> {
@@ -140,7 +147,7 @@ impl SolveOfRun {
 }
 
 pub(crate) fn task(scene: &Scene) -> Task {
-    let solves = SolveOfRun::all(scene, scene.rules());
+    let solves = SolveOfRun::all(scene);
     let needs = solves.iter().map(|solve| solve.task.clone()).collect();
     let is_papers = scene.paper_table.is_some();
     let tabulated = Tabulated { name: scene.name.clone(), solves, is_papers };
@@ -154,12 +161,12 @@ impl Tabulated {
             let numbers = solve.numbers(inputs)?;
             levels.push(numbers.levels());
             is_true = numbers.has_true_energy();
-            let run = solve.run.map(|RuleAndR { rule, r }| format!("{rule}, r = {r}"));
+            let run = solve.saddle.map(|SaddleSettings { stop, r, .. }| format!("{stop}, r = {r}"));
             for warning in numbers.warnings.into_iter().filter(|_| !self.is_papers) {
                 warned.add(warning, run.clone().unwrap_or_default());
             }
         }
-        let runs: Option<Vec<RuleAndR>> = self.solves.iter().map(|solve| solve.run).collect();
+        let runs: Option<Vec<_>> = self.solves.iter().map(|solve| solve.saddle).collect();
         let table = match &runs {
             Some(runs) => table(runs, &levels),
             None => table_of_levels(&levels[0]),
@@ -225,7 +232,7 @@ pub(super) fn row(r: f64, levels: &[LevelNumbers]) -> Row {
 ///
 /// If `max_iterations` cut off a count on a grid, a column `capped 1/4` marks those counts; if an iteration on a grid
 /// ended without a solution of the discrete problem, a column `stop 1/4` holds the ends.
-fn table(runs: &[RuleAndR], levels: &[Vec<LevelNumbers>]) -> Table {
+fn table(runs: &[SaddleSettings], levels: &[Vec<LevelNumbers>]) -> Table {
     let rows: Vec<Row> = runs.iter().zip(levels).map(|(run, of)| row(run.r, of)).collect();
     let grids: Vec<String> = levels[0].iter().map(LevelNumbers::label).collect();
     let (mut capped, mut stopped) = (Vec::new(), Vec::new());
@@ -245,7 +252,7 @@ fn table(runs: &[RuleAndR], levels: &[Vec<LevelNumbers>]) -> Table {
     let marks = [named("capped", &capped), named("stop", &stopped)].concat();
     let mut table = Table::new(counts_and_change.into_iter().chain(marks), &[]);
     for ((run, row), levels) in runs.iter().zip(&rows).zip(levels) {
-        let mut cells = vec![run.rule.to_string(), decimal(row.r)];
+        let mut cells = vec![run.stop.to_string(), decimal(row.r)];
         cells.extend(row.counts.iter().map(usize::to_string));
         cells.push(decimal(row.delta_a));
         cells.extend(capped.iter().map(|&level| row.capped[level].to_string()));
@@ -284,7 +291,8 @@ mod tests {
         levels[0][1].delta_a = Some(1e-4 / 3.0);
         levels[1][1].delta_a = Some(3.53e-4);
         let runs = [(StopRule::Signed, 1e6), (StopRule::Printed, 0.5)];
-        let csv = table(&runs.map(|(rule, r)| RuleAndR { rule, r }), &levels).csv();
+        let runs = runs.map(|(stop, r)| SaddleSettings { stop, r, ..SaddleSettings::default() });
+        let csv = table(&runs, &levels).csv();
         expect_test::expect![[r"
             rule,r,1/4,1/8,delta_a,capped 1/8,stop 1/4
             signed,1000000.0,1,149,0.000033333333333333335,false,no-solution

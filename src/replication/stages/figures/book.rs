@@ -7,7 +7,7 @@ use crate::figures::{
 };
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Inputs, Task};
-use crate::replication::scene::{Output, Runs, Scene};
+use crate::replication::scene::{Output, Scene};
 use crate::replication::stages::solve;
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::mesh::AnyMesh;
@@ -55,8 +55,7 @@ pub(super) fn iterates(scene: &Scene) -> Task {
     let title = format!("{}: where the paper stopped on each grid, and the solution", scene.title);
     // The method runs again, with all its settings.
     let mut scene = Scene { outputs: Vec::new(), ..scene.clone() };
-    let drawn = scene.saddle();
-    scene.runs = Some(Runs { r: vec![drawn.r], stop: vec![drawn.stop] });
+    scene.study.members.retain(|member| member.statement == scene.statement);
     let scenes = vec![scene];
     drawing("iterates", &Drawing { title, scenes }, Vec::new(), |it, inputs| {
         let scene = &it.scenes[0];

@@ -2,18 +2,26 @@
 
 use super::*;
 use crate::pipeline::InputFile;
+use crate::replication::study::Study;
+use std::collections::BTreeMap;
 use std::path::Path;
+
+/// Cell of a scene with one member.
+fn only(scene: &Scene) -> Cell {
+    cell(scene, scene.drawn(None))
+}
 
 /// Calls `read` with a scene of this text that asks for an accuracy, and the artifacts of its solve. The scene asks for
 /// less than was reached: if it were solved again, its grid or mesh would be another.
 pub(in crate::replication::stages) fn with_solved(text: &str, read: impl FnOnce(&Inputs, &Scene)) {
     let scene = Scene::parse("t", text).unwrap();
     let interrupted = AtomicBool::new(false);
-    let solved = |scene| cell(scene, None).artifacts(&InputFiles::new(), &interrupted).unwrap();
     let fineness = Fineness::Within(Accuracy::Error(2.0));
     let statement = Statement { fineness, ..scene.statement.clone() };
-    let less = Scene { statement, ..scene.clone() };
-    let (made, other) = (solved(&scene), solved(&less));
+    let study = Study::of(&[], vec![statement.clone().into()]);
+    let less = Scene { statement, study, ..scene.clone() };
+    let [made, other] =
+        [&scene, &less].map(|of| only(of).artifacts(&InputFiles::new(), &interrupted).unwrap());
     assert_ne!(made[PAIR].len(), other[PAIR].len());
     let path = "pipeline/scenes/t.toml";
     let file = InputFile::with(path.into(), text.into());
@@ -52,7 +60,7 @@ fn an_interrupt_ends_the_way_to_an_accuracy_between_grids_and_between_meshes() {
     for text in ACCURATE {
         let scene = Scene::parse("t", text).unwrap();
         let interrupted = AtomicBool::new(true);
-        let run = cell(&scene, None).run(&InputFiles::new(), &interrupted);
+        let run = only(&scene).run(&InputFiles::new(), &interrupted);
         assert!(matches!(run.err(), Some(Error::Interrupted)));
     }
 }
@@ -62,7 +70,7 @@ fn a_caption_has_those_digits_of_a_true_energy_that_both_ends_of_its_bracket_sha
     let text = "title = 't'\ndomain = 'lshape'\nf = 'halfplane(1,0.3,-1.2999999999)=4000; else=-3'\n\
         solver = 'spectral'\noutputs = ['table']\n";
     let scene = Scene::parse("t", text).unwrap();
-    let made = cell(&scene, None).artifacts(&InputFiles::new(), &AtomicBool::new(false)).unwrap();
+    let made = only(&scene).artifacts(&InputFiles::new(), &AtomicBool::new(false)).unwrap();
     let numbers: Numbers = serde_json::from_slice(&made[NUMBERS]).unwrap();
     assert_eq!([16, 3].map(|digits| numbers.shown_energy(digits)), ["-0.96334", "-0.963"]);
 }

@@ -7,12 +7,12 @@ use std::ops::{Add, Div, Mul, Sub};
 
 /// A number per lane, aligned as `L` is.
 #[derive(Clone, Copy)]
-pub(crate) struct V<const K: usize = LANES, L = Line>(pub [f64; K], [L; 0]);
+pub(crate) struct V<const K: usize = LANES, L = LaneAlignment>(pub [f64; K], [L; 0]);
 
 /// Alignment of the numbers of [`LANES`] lanes: with one load each.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-pub(crate) struct Line;
+pub(crate) struct LaneAlignment;
 
 impl<const K: usize, L: Copy> Default for V<K, L> {
     fn default() -> Self {

@@ -1,7 +1,7 @@
 //! The iterates of several runs on one grid, node by node with a number per run.
 
 use super::LANES;
-use super::arithmetic::{LaneLaws, Line, V};
+use super::arithmetic::{LaneAlignment, LaneLaws, V};
 use crate::discrete::grid::Grid;
 use crate::discrete::network::Network;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
@@ -46,7 +46,7 @@ impl LaneEdge {
 
 /// The iterates of all lanes.
 #[derive(Clone)]
-pub(crate) struct Lanes<const K: usize = LANES, L = Line> {
+pub(crate) struct Lanes<const K: usize = LANES, L = LaneAlignment> {
     pub(super) grid: Grid,
     pub(super) laws: LaneLaws<K, L>,
     order: Order,
@@ -341,6 +341,16 @@ mod tests {
         lanes.y.iter().map(|y| y.0[K - 1]).collect()
     }
 
+    /// Numbers from -0.5 to 0.5.
+    fn random(mut state: u64, count: usize) -> Vec<f64> {
+        let mut numbers = Vec::with_capacity(count);
+        for _ in 0..count {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            numbers.push((state >> 33) as f64 / (1u64 << 31) as f64 - 0.5);
+        }
+        numbers
+    }
+
     proptest! {
         #[test]
         fn bands_of_any_height_give_the_definition_to_the_last_bit(
@@ -348,15 +358,9 @@ mod tests {
             friction in proptest::option::of(0.01..1.0f64),
         ) {
             let grid = Grid::new(n).unwrap();
-            let mut state = seed;
-            let mut random = move || {
-                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-                (state >> 33) as f64 / (1u64 << 31) as f64 - 0.5
-            };
-            let mut vector = |length: usize| (0..length).map(|_| random()).collect::<Vec<_>>();
-            let (load, y) = (vector(grid.nodes()), vector(grid.nodes()));
+            let [load, y, a] = [0, 1, 2].map(|k| random(seed ^ k, grid.nodes()));
             let law = friction.map_or(Law::SIGNORINI, |g| Law::friction(g).unwrap());
-            let a = vector(grid.boundary_nodes()).into_iter().map(|a| law.project(a)).collect();
+            let a = a[..grid.boundary_nodes()].iter().map(|a| law.project(*a)).collect();
             let mut pair = Pair { y, a };
             let start = pair.clone();
             let run = RunStart { load: &load, method: Method::ArrowHurwicz, r, pair: &start };
@@ -364,11 +368,11 @@ mod tests {
             let definition = Plain { network: &network, law, load: &load, r };
             (0..3).for_each(|_| definition.sweep(&mut pair));
             prop_assert_eq!(&pair.y, &swept::<1, f64>(grid, law, &run));
-            prop_assert_eq!(&pair.y, &swept::<LANES, Line>(grid, law, &run));
+            prop_assert_eq!(&pair.y, &swept::<LANES, LaneAlignment>(grid, law, &run));
             // With a proximal term, which the paper has not.
             let method = Method::Uzawa { weight, inner: 0.0, loose: false };
             let run = RunStart { method, ..run };
-            prop_assert_eq!(swept::<1, f64>(grid, law, &run), swept::<LANES, Line>(grid, law, &run));
+            prop_assert_eq!(swept::<1, f64>(grid, law, &run), swept::<LANES, LaneAlignment>(grid, law, &run));
         }
     }
 }
