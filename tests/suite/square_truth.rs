@@ -263,3 +263,20 @@ fn the_table_of_solvers_evaluates_it_at_nodes() {
         assert_eq!(truth.y.len(), Grid::new(64).unwrap().nodes());
     }
 }
+
+#[test]
+fn borders_that_cross_the_boundary_next_to_a_corner_have_brackets() {
+    // By how much the border is moved changes the energy in proportion.
+    let energy = |offset: f64| {
+        let solution = solved(&format!("halfplane(1,-1,{offset:e})=3; else=-4"));
+        let [low, high] = solution.bracket.unwrap();
+        assert!(high - low < 1e-10 * high.abs(), "{offset:e}: {low} {high}");
+        [low, high]
+    };
+    let [[_, near], [_, far]] = [1e-7, 1e-6].map(energy);
+    for offset in [3e-9, 2e-9, 1e-9, 6e-10, 4e-10] {
+        let [low, high] = energy(offset);
+        let known = near + (near - far) * (1e-7 - offset) / 9e-7;
+        assert!(low - 1e-11 < known && known < high + 1e-11, "{offset:e}: {low} {known} {high}");
+    }
+}

@@ -249,7 +249,7 @@ impl PlaneDomain {
     /// Distance at which a ray from a point, which may lie on the boundary, first meets the boundary.
     pub(in crate::spectral) fn exit(&self, z: Complex, direction: Complex) -> f64 {
         let hits = ray_hits(self.sides(), z, direction).into_iter().map(|hit| hit.distance);
-        hits.filter(|&s| s > 1e-10).fold(f64::INFINITY, f64::min)
+        hits.filter(|&s| s > SAME).fold(f64::INFINITY, f64::min)
     }
 
     /// True if the domain holds a point.

@@ -228,7 +228,7 @@ impl<'a> Proof<'a> {
         let reach = (room / 2.4).min(0.25 / bend).min(self.setup.diameter);
         let turned = 0.25 * share(split.angle) / bend;
         let top = (TOP[0] * reach).min(TOP[1] * clear).min(turned).min(0.5 * interval.length);
-        if top < 1e-10 {
+        if top < 1e-11 {
             return Err("v next to singular points that are beside each other");
         }
         let family = self.fit.functions.families.iter().find(|family| family.split == Some(number));
@@ -313,9 +313,11 @@ fn is_outside(setup: &Setup, fit: &Fit, family: &Family) -> bool {
     begins && setup.domain.exit(family.point, outwards) > 1.1 * longest
 }
 
-/// True if a point is outside of the closed domain.
+/// True if a point is outside of the closed domain, farther than what [`PlaneDomain::exit`] does not see.
+///
+/// [`PlaneDomain::exit`]: crate::spectral::geometry::domain::PlaneDomain::exit
 fn is_clear(setup: &Setup, z: Complex) -> bool {
-    setup.domain.distance(z) > 1e-9 && !setup.domain.holds(z)
+    setup.domain.distance(z) > 5e-11 && !setup.domain.holds(z)
 }
 
 #[cfg(test)]

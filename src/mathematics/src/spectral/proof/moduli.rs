@@ -92,8 +92,9 @@ pub(super) fn of_polynomial(
     let mut distinct: Vec<Disc> = Vec::new();
     let mut numbers = Vec::with_capacity(discs.len());
     for disc in discs {
-        let is_same = |other: &Disc| (other.centre, other.radius) == (disc.centre, disc.radius);
-        let known = distinct.iter().rposition(is_same);
+        let known = distinct
+            .iter()
+            .rposition(|other: &Disc| (other.centre, other.radius) == (disc.centre, disc.radius));
         numbers.push(known.unwrap_or(distinct.len()));
         if known.is_none() {
             distinct.push(*disc);

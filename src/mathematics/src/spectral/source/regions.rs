@@ -50,8 +50,8 @@ fn paths(edges: &[[u32; 2]]) -> Vec<Vec<u32>> {
         beside.entry(a).or_default().push(b);
         beside.entry(b).or_default().push(a);
     }
-    let is_through = |node: &u32| beside[node].len() == 2;
-    let (through, ends): (Vec<u32>, Vec<u32>) = beside.keys().copied().partition(is_through);
+    let (through, ends): (Vec<u32>, Vec<u32>) =
+        beside.keys().copied().partition(|node| beside[node].len() == 2);
     let mut paths = Vec::new();
     for &start in ends.iter().chain(&through) {
         while let Some(mut node) = step(&mut beside, start) {
