@@ -4,6 +4,7 @@
 use crate::pipeline::{Artifacts, Inputs, Made, Task};
 use crate::replication::project::Project;
 use crate::replication::stages::to_json;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use signorini_mathematics::discrete::load::load;
@@ -12,8 +13,8 @@ use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{NestedGrids, Params, solve_nested};
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
 
-/// Exponents of the powers of ten that bound the relative errors of the load.
-const EXPONENTS: std::ops::RangeInclusive<i32> = -15..=-2;
+/// Bounds of the relative errors of the load.
+const SIZES: [f64; 6] = [1e-15, 1e-10, 1e-5, 1e-4, 1e-3, 1e-2];
 
 /// Problems with tables, each with every r, and numbers of repetitions.
 #[derive(Clone, Serialize, Deserialize)]
@@ -29,24 +30,22 @@ impl AskedNoise {
     /// The task of the book.
     pub(super) fn task(project: &Project) -> Task {
         let tables = project.problems().into_iter();
-        let tables = tables.map(|scene| (scene.statement.clone(), scene.r().to_vec())).collect();
-        let asked = Self { tables, repetitions: 8, problems: 400 };
+        let tables = tables.map(|scene| (scene.statement.clone(), scene.r())).collect();
+        let asked = Self { tables, repetitions: 2, problems: 400 };
         Task::new(super::id("noise"), &asked, Vec::new(), |asked, _: &Inputs| asked.made())
     }
 
     fn made(&self) -> Made {
-        let mut sizes = EXPONENTS.map(|k| format!("1e{k}").parse::<f64>().expect("a number"));
-        let least = sizes.clone().next();
-        let mut first_change = None;
-        for size in &mut sizes {
+        let mut harmless = None;
+        for size in SIZES {
             if self.changes(size)? {
-                first_change = Some(size);
                 break;
             }
+            harmless = Some(size);
         }
         let random = self.random()?;
         let noise = json!([{
-            "least": least, "repetitions": self.repetitions, "first_change": first_change,
+            "sizes": SIZES, "repetitions": self.repetitions, "harmless": harmless,
         }]);
         let found = json!({ "noise": noise, "random": [random] });
         Ok(Artifacts::from([(super::RESULT.into(), to_json(&found))]))
@@ -54,18 +53,23 @@ impl AskedNoise {
 
     /// True if random relative errors of at most this size in the entries of all load vectors change a count.
     fn changes(&self, size: f64) -> Result<bool, String> {
-        for (statement, r) in &self.tables {
-            for &r in r {
-                let exact = counts(statement, r, &mut |entry| entry)?;
-                for repetition in 0..self.repetitions {
-                    let stream = size.to_bits() ^ r.to_bits().rotate_left(17) ^ repetition;
-                    let mut random = RandomNumbers::new(stream);
-                    let mut disturbed =
-                        |entry: f64| entry + entry * (size * (2.0 * random.unit() - 1.0));
-                    if counts(statement, r, &mut disturbed)? != exact {
-                        return Ok(true);
-                    }
-                }
+        let runs =
+            self.tables.iter().flat_map(|(statement, r)| r.iter().map(move |&r| (statement, r)));
+        let runs: Vec<_> = runs.collect();
+        let changed =
+            runs.into_par_iter().map(|(statement, r)| self.changes_of(statement, r, size));
+        changed.try_reduce(|| false, |one, other| Ok(one || other))
+    }
+
+    /// The same for one r of a table.
+    fn changes_of(&self, statement: &Statement, r: f64, size: f64) -> Result<bool, String> {
+        let exact = counts(statement, r, &mut |entry| entry)?;
+        for repetition in 0..self.repetitions {
+            let stream = size.to_bits() ^ r.to_bits().rotate_left(17) ^ repetition;
+            let mut random = RandomNumbers::new(stream);
+            let mut disturbed = |entry: f64| entry + entry * (size * (2.0 * random.unit() - 1.0));
+            if counts(statement, r, &mut disturbed)? != exact {
+                return Ok(true);
             }
         }
         Ok(false)
