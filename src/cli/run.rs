@@ -390,9 +390,8 @@ fn verdicts(summary: &Summary) -> String {
 
 /// The files that belong to nothing any more, if there are any: those that may be committed by their names.
 fn to_remove(summary: &Summary) -> Option<String> {
-    let is_figure = |path: &&String| path.starts_with("figures/");
     let (mut files, others): (Vec<_>, Vec<_>) =
-        summary.exports.to_remove().iter().partition(is_figure);
+        summary.exports.to_remove().iter().partition(|path| path.starts_with("figures/"));
     let others = match others.len() {
         0 => None,
         1 => Some("1 file of report/".into()),

@@ -30,8 +30,8 @@ pub(super) struct ContactLine {
     /// Name in the legend.
     pub(super) label: String,
     pub(super) y: Vec<f64>,
-    /// Multiplier, or flux dy/dn; not a number on fixed parts, whose flux is not computed.
-    pub(super) a: Vec<f64>,
+    /// Multiplier, or flux dy/dn; none on fixed parts, whose flux is not computed.
+    pub(super) a: Vec<Option<f64>>,
     in_contact: Vec<bool>,
 }
 
@@ -59,7 +59,7 @@ impl ContactPanel {
                 a: at(&problem.at_nodes(&pair.a, 0.0), nodes)
                     .into_iter()
                     .zip(&fixed)
-                    .map(|(a, &fixed)| if fixed { f64::NAN } else { a })
+                    .map(|(a, &fixed)| (!fixed).then_some(a))
                     .collect(),
                 in_contact: at(&problem.at_nodes(&problem.in_contact(pair), false), nodes),
             });
@@ -71,16 +71,20 @@ impl ContactPanel {
         Ok(panels)
     }
 
-    /// Chart of one quantity.
-    fn chart(&self, values: fn(&ContactLine) -> &Vec<f64>) -> Chart {
+    /// Chart of one quantity, with a gap where it has no value.
+    fn chart(&self, values: fn(&ContactLine) -> Vec<Option<f64>>) -> Chart {
         let mut curves = Vec::new();
         for (k, line) in self.lines.iter().enumerate() {
+            let mut values = values(line);
             // Closed: the end of the curve is the first node again.
-            let end = values(line).first().map(|&value| (self.curve.length, value));
-            let inner = self.curve.places.iter().copied().zip(values(line).iter().copied());
-            let points: Vec<_> = inner.chain(end).collect();
-            for piece in points.split(|point| point.1.is_nan()).filter(|piece| !piece.is_empty()) {
-                let mut curve = Curve::new(Stroke::Line, &line.label, piece.iter().copied());
+            values.extend(values.first().copied());
+            let places = self.curve.places.iter().copied().chain([self.curve.length]);
+            let points: Vec<_> = places.zip(values).collect();
+            for piece in
+                points.split(|(_, value)| value.is_none()).filter(|piece| !piece.is_empty())
+            {
+                let piece = piece.iter().filter_map(|&(place, value)| Some((place, value?)));
+                let mut curve = Curve::new(Stroke::Line, &line.label, piece);
                 // The first lines are thicker, so that a later one on top does not hide them.
                 curve.width = 1.5 + 0.75 * (self.lines.len() - 1 - k).min(3) as f64;
                 curves.push(curve);
@@ -151,7 +155,10 @@ pub(crate) fn contact(panels: &[ContactPanel]) -> Picture {
 /// Draws a panel, and returns the top of the next one.
 fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
     let ContactPanel { curve, lines, .. } = panel;
-    let charts = [panel.chart(|line| &line.y), panel.chart(|line| &line.a)];
+    let charts = [
+        panel.chart(|line| line.y.iter().copied().map(Some).collect()),
+        panel.chart(|line| line.a.clone()),
+    ];
     let entries = legend(&[&charts[0]]);
     let parts = WITHOUT_LAW.iter().filter(|(condition, ..)| panel.has(*condition));
     let parts = parts.map(|&(_, label, color)| Entry {
@@ -303,7 +310,12 @@ fn of_contact(panels: &[ContactPanel]) -> String {
     let mut csv = "panel,run,s,y,a\n".to_owned();
     for ContactPanel { title, curve, lines, .. } in panels {
         for ContactLine { label, y, a, .. } in lines {
-            let numbers = curve.places.iter().zip(y).zip(a).map(|((&s, &y), &a)| [s, y, a]);
+            let numbers = curve
+                .places
+                .iter()
+                .zip(y)
+                .zip(a)
+                .map(|((&s, &y), &a)| [s, y, a.unwrap_or(f64::NAN)]);
             add(&mut csv, &[title, label], numbers);
         }
     }

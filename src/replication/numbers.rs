@@ -123,10 +123,9 @@ impl Numbers {
         Bounds::deserialize(self.details.get("bound")?).ok()
     }
 
-    /// True if the energy is that of the true solution, or the number of its bracket that is nearest to that of v.
+    /// True if the energy is that of the true solution.
     pub(crate) fn has_true_energy(&self) -> bool {
         self.solver == Solver::Spectral.to_string()
-            || self.details.contains_key("energy_of_linear_v")
     }
 
     /// The energy with so many digits, a true one with those of them that are known; nothing without one.

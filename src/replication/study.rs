@@ -238,8 +238,11 @@ impl Study {
     fn columns_of_numbers(&self) -> Vec<&str> {
         let mut columns = Vec::new();
         for name in &self.names {
-            let number = |member: &Member| member.value(name)?.number();
-            if self.members.iter().all(|member| number(member).is_some()) {
+            if self
+                .members
+                .iter()
+                .all(|member| member.value(name).is_some_and(|v| v.number().is_some()))
+            {
                 columns.push(name.as_str());
             }
         }

@@ -49,6 +49,7 @@ fn members_of_a_study_are_timed() {
 #[test]
 fn what_cannot_be_timed_is_refused() {
     let project = Project::with(TABLE);
+    project.scene("first", TABLE);
     for (args, remedy) in [
         (&["--repeats", "0"][..], "at least 1"),
         (&["first"], "varies nothing; add `vary`"),

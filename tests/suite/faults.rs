@@ -240,7 +240,7 @@ fn what_goes_with_an_output_that_the_chapters_show_is_named() {
     let lines = said.lines();
     let removed = lines.iter().find(|line| line.starts_with("removed figures/cost.csv, "));
     assert!(
-        lines[0] == reason && removed.is_some_and(|line| line.contains("figures/uzawa.svg")),
+        lines[0] == reason && removed.is_some_and(|line| line.contains("figures/rules.svg")),
         "{said:?}"
     );
 }

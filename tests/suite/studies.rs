@@ -26,9 +26,11 @@ fn four() -> Project {
 /// Rows of the table of a study in CSV, each with its cells by column.
 fn rows(project: &Project, file: &str) -> Vec<Value> {
     let text = fs::read_to_string(project.path(file)).unwrap();
-    let mut lines = text.lines().map(|line| line.splitn(25, ',').map(str::to_owned));
-    let head: Vec<String> = lines.next().unwrap().collect();
-    let rows = lines.map(|cells| head.iter().cloned().zip(cells.map(Value::from)).collect());
+    let mut lines = text.lines();
+    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let cells = lines.map(|line| line.splitn(head.len(), ','));
+    let rows =
+        cells.map(|cells| head.iter().zip(cells).map(|(name, cell)| (*name, cell)).collect());
     rows.collect()
 }
 

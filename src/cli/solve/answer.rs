@@ -66,7 +66,7 @@ impl Answer {
     fn energy_in_words(&self, request: &Request, run: &Run) -> String {
         let of_v = run.last().energy;
         let digits = match request.statement.accuracy() {
-            Some(Accuracy::Energy(_)) => 16,
+            Some(Accuracy::Energy(wanted)) => DIGITS.max(2 + (-libm::log10(wanted)) as usize),
             _ => DIGITS,
         };
         let mut text = format!("energy {}\n", self.numbers.shown_energy(digits));

@@ -25,8 +25,8 @@ pub(super) fn text(solved: &Solved, numbers: &Numbers) -> String {
 /// Returns checks in words: the signs that hold, and the numbers that vanish.
 fn checks(PlaneChecks { residual, balance, flux, sign, .. }: &PlaneChecks) -> String {
     // Both are relative: what is as small is a rounding error.
-    let zero = |least: f64| if least.abs() < f64::EPSILON { 0.0 } else { least };
-    let [flux, sign] = [*flux, *sign].map(|least| plain(zero(least), 2));
+    let [flux, sign] =
+        [*flux, *sign].map(|least| plain(if least.abs() < f64::EPSILON { 0.0 } else { least }, 2));
     format!(
         "checks: least distance of the flux to the limits of the law {flux},\n  \
         least v of the right sign {sign}\n  \

@@ -4,7 +4,7 @@ use super::member::Varying;
 use super::table::FIELDS;
 use super::table::FOLDER;
 use crate::replication::output::Output;
-use signorini_mathematics::statement::Statement;
+use signorini_mathematics::statement::{Fineness, Statement};
 use std::borrow::Cow;
 use toml::Value;
 
@@ -33,9 +33,12 @@ fn joined(option: String, value: String) -> Vec<String> {
 }
 
 /// Returns the words of the command that solves the statement of a scene, in the folder of the project, each as a shell
-/// reads it: an option with its value is one.
+/// reads it: an option with its value is one. A true solution has a fineness for files alone.
 pub(crate) fn command(of_scene: &Statement) -> Vec<String> {
     let mut statement = of_scene.clone();
+    if !statement.solver.entry().is_discrete {
+        statement.fineness = Fineness::Usual;
+    }
     if statement.domain.is_file() {
         statement.domain.name = format!("{FOLDER}/{}", statement.domain.name);
     }

@@ -109,8 +109,9 @@ impl Scene {
 
 /// Returns the members of a statement: of a saddle-point method one for each rule and r, else one.
 fn expanded(statement: &Statement, r: &[f64], stop: &[StopRule]) -> Reading<Study> {
-    let of = |saddle| Statement { saddle, ..statement.clone() };
-    let Some(drawn) = statement.saddle else { return Ok(Study::of(&[], vec![of(None).into()])) };
+    let Some(drawn) = statement.saddle else {
+        return Ok(Study::of(&[], vec![statement.clone().into()]));
+    };
     for (field, is_empty) in [("r", r.is_empty()), ("stop", stop.is_empty())] {
         if is_empty {
             let text = "`r` and `stop` must not be empty; e.g. r = [10], stop = [\"signed\"]";
@@ -129,7 +130,10 @@ fn expanded(statement: &Statement, r: &[f64], stop: &[StopRule]) -> Reading<Stud
     }
     let mut members = Vec::new();
     for &stop in stop {
-        members.extend(r.iter().map(|&r| of(Some(SaddleSettings { stop, r, ..drawn })).into()));
+        for &r in r {
+            let saddle = Some(SaddleSettings { stop, r, ..drawn });
+            members.push(Statement { saddle, ..statement.clone() }.into());
+        }
     }
     Ok(Study::of(&["stop", "r"].map(str::to_owned), members))
 }

@@ -212,8 +212,7 @@ fn without_ends(table: &Table) -> (Table, String) {
             note += &format!("{end} in some runs on {}\n", grids.join(", "));
         }
     }
-    let is_of_end = |column: &str| ENDS.iter().any(|(word, _)| column.starts_with(word));
-    (table.with_columns(|column| !is_of_end(column)), note)
+    (table.with_columns(|column| !ENDS.iter().any(|(word, _)| column.starts_with(word))), note)
 }
 
 /// Computed row of a table, from a solve with this r.

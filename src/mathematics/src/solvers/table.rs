@@ -63,7 +63,7 @@ pub const SOLVERS: [SolverEntry; 7] = [
         solver: Solver::UzawaLoose,
         name: "uzawa-loose",
         in_words: "loose Uzawa",
-        description: "Uzawa's method, each minimisation to a tenth of the gradient alone",
+        description: "Uzawa's method, each minimisation to a tenth of its gradient",
         method: Some(Method::Uzawa { weight: 0.0, inner: 0.0, loose: true }),
         ..NESTED
     },

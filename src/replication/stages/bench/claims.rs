@@ -61,11 +61,12 @@ struct ClaimRun {
 impl ClaimRun {
     /// Run of a row whose end and count are in these columns.
     fn of(row: &Row, [end, count]: [&str; 2]) -> Self {
-        let text = |name: &str| row[name].as_str().unwrap_or_default().to_owned();
-        let number = |name: &str| row[name].as_f64().unwrap_or(f64::NAN);
-        let end = row[end].as_f64().map_or_else(|| text(end), |target| format!("{target:e}"));
-        let [r, count, delta_a] = ["r", count, "delta_a"].map(number);
-        Self { f: text("f"), solver: text("solver"), end, r, count, delta_a }
+        let end = row
+            .get(end)
+            .and_then(Value::as_f64)
+            .map_or_else(|| text(row, end), |target| format!("{target:e}"));
+        let [r, count, delta_a] = ["r", count, "delta_a"].map(|name| number(row, name));
+        Self { f: text(row, "f"), solver: text(row, "solver"), end, r, count, delta_a }
     }
 
     /// Case of a claim about this run.
@@ -80,6 +81,16 @@ impl ClaimRun {
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);
         ClaimCase { r: None, ..self.case(claim, greatest / least, EQUAL) }
     }
+}
+
+/// Text in a column of a row; empty if it has none.
+fn text(row: &Row, name: &str) -> String {
+    row.get(name).and_then(Value::as_str).unwrap_or_default().to_owned()
+}
+
+/// Number in a column of a row; NaN if it has none.
+fn number(row: &Row, name: &str) -> f64 {
+    row.get(name).and_then(Value::as_f64).unwrap_or(f64::NAN)
 }
 
 /// Returns the cases of all claims, from the rows of both studies; the multiplier moves much if it moves by many
@@ -102,11 +113,10 @@ fn cases(counts: &Rows, sweeps: &Rows, tolerance: f64) -> Vec<ClaimCase> {
 fn over_r(runs: &[ClaimRun]) -> Vec<ClaimCase> {
     let mut cases = Vec::new();
     for of_end in runs.chunk_by(|one, other| one.f == other.f && one.end == other.end) {
-        let counts = |least: f64| -> Vec<f64> {
-            of_end.iter().filter(|run| run.r >= least).map(|run| run.count).collect()
-        };
-        cases.push(of_end[0].spread("depends-on-r", &counts(0.0)));
-        cases.push(of_end[0].spread("depends-on-large-r", &counts(LARGE)));
+        for (claim, least) in [("depends-on-r", 0.0), ("depends-on-large-r", LARGE)] {
+            let counts = of_end.iter().filter(|run| run.r >= least).map(|run| run.count);
+            cases.push(of_end[0].spread(claim, &counts.collect::<Vec<_>>()));
+        }
     }
     cases
 }
@@ -115,8 +125,8 @@ fn over_r(runs: &[ClaimRun]) -> Vec<ClaimCase> {
 fn pairs(runs: &[ClaimRun]) -> Vec<[&ClaimRun; 2]> {
     let mut pairs = Vec::new();
     for one in runs.iter().filter(|run| run.f == runs[0].f) {
-        let alike = |run: &&ClaimRun| run.f != one.f && run.end == one.end && run.r == one.r;
-        pairs.extend(runs.iter().find(alike).map(|other| [one, other]));
+        let mut alike = runs.iter().filter(|run| run.end == one.end && run.r == one.r);
+        pairs.extend(alike.find(|run| run.f != one.f).map(|other| [one, other]));
     }
     pairs
 }

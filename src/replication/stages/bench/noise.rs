@@ -1,4 +1,4 @@
-//! What no study can say of stability: counts of the tables with loads that are a little off, as another quadrature or
+//! Stability beyond what studies can say: counts of the tables with loads that are a little off, as another quadrature or
 //! another order of sums makes them, and random problems for multigrid.
 
 use crate::pipeline::{Artifacts, Inputs, Made, Task};
@@ -61,14 +61,16 @@ impl AskedNoise {
         changed.try_reduce(|| false, |one, other| Ok(one || other))
     }
 
-    /// The same for one r of a table.
+    /// True if such errors change a count of one r of a table.
     fn changes_of(&self, statement: &Statement, r: f64, size: f64) -> Result<bool, String> {
         let exact = counts(statement, r, &mut |entry| entry)?;
         for repetition in 0..self.repetitions {
             let stream = size.to_bits() ^ r.to_bits().rotate_left(17) ^ repetition;
             let mut random = RandomNumbers::new(stream);
-            let mut disturbed = |entry: f64| entry + entry * (size * (2.0 * random.unit() - 1.0));
-            if counts(statement, r, &mut disturbed)? != exact {
+            let found = counts(statement, r, &mut |entry| {
+                entry + entry * (size * (2.0 * random.unit() - 1.0))
+            });
+            if found? != exact {
                 return Ok(true);
             }
         }
@@ -120,20 +122,19 @@ const FINEST: usize = 96;
 /// of its absolute value.
 fn random_problem(number: u64) -> Statement {
     let mut random = RandomNumbers::new(number);
-    let mut between = |least: f64, greatest: f64| least + (greatest - least) * random.unit();
     let (mut f, mut sum, mut size, mut covered) = (String::new(), 0.0, 0.0, 0.0);
     for (x, y) in [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)] {
-        let [radius, value] = [between(0.02, 0.2), between(-50.0, 50.0)];
-        let [x, y] = [x, y].map(|centre| centre + between(-0.04, 0.04));
+        let [radius, value] = [random.between(0.02, 0.2), random.between(-50.0, 50.0)];
+        let [x, y] = [x, y].map(|centre| centre + random.between(-0.04, 0.04));
         f += &format!("disc({x},{y},{radius})={value}; ");
         let area = std::f64::consts::PI * radius * radius;
         sum += area * value;
         size += area * value.abs();
         covered += area;
     }
-    let deficit = size * libm::exp10(between(-8.0, -0.3));
-    let odd = if between(0.0, 1.0) < 0.5 { 1 } else { 3 };
-    let cells = odd << (1 + (between(0.0, 5.0) as u32).min(4));
+    let deficit = size * libm::exp10(random.between(-8.0, -0.3));
+    let odd = if random.between(0.0, 1.0) < 0.5 { 1 } else { 3 };
+    let cells = odd << (1 + (random.between(0.0, 5.0) as u32).min(4));
     let f = format!("{f}else={}", -(sum + deficit) / (1.0 - covered));
     Statement { fineness: Fineness::Width(cells), ..Statement::usual(Domain::square(), f) }
 }
@@ -146,6 +147,11 @@ impl RandomNumbers {
         let mut random = Self(stream.wrapping_mul(0xd134_2543_de82_ef95));
         random.unit();
         random
+    }
+
+    /// Uniform between two numbers.
+    fn between(&mut self, least: f64, greatest: f64) -> f64 {
+        least + (greatest - least) * self.unit()
     }
 
     /// Uniform in (0, 1).

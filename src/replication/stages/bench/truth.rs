@@ -95,9 +95,8 @@ fn statement(f: &str, cells: usize) -> Statement {
 
 /// True solution of f on the square, with the problem at whose nodes it is given.
 fn solved(f: &str) -> Result<(Problem, TrueSolution), String> {
-    let in_words = |e: &dyn std::fmt::Display| format!("{f}: {e}");
-    let problem = statement(f, SAMPLED).problem(None, &|_| ()).map_err(|e| in_words(&e))?;
-    let truth = true_solution(&problem).map_err(|e| in_words(&e))?;
+    let problem = statement(f, SAMPLED).problem(None, &|_| ()).map_err(|e| format!("{f}: {e}"))?;
+    let truth = true_solution(&problem).map_err(|e| format!("{f}: {e}"))?;
     Ok((problem, truth))
 }
 

@@ -42,10 +42,11 @@ fn row_of_stops(inputs: &Inputs, scene: &Scene) -> Result<Vec<DrawnSolution>, Fa
         y: solution.y.iter().zip(&stop.y).map(|(v, y)| v - y).collect(),
         a: vec![0.0; stop.a.len()],
     };
-    let title = |name: &str| format!("{}: {name}", scene.title);
-    let [stop, solution] = [("where it stopped", &stop), ("the solution", &solution)]
-        .map(|(name, pair)| DrawnSolution::on_grid(title(name), grid, pair, 3));
-    let difference = DrawnSolution::on_grid(title("the difference"), grid, &difference, 3);
+    let pairs =
+        [("where it stopped", &stop), ("the solution", &solution), ("the difference", &difference)];
+    let [stop, solution, difference] = pairs.map(|(name, pair)| {
+        DrawnSolution::on_grid(format!("{}: {name}", scene.title), grid, pair, 3)
+    });
     let azimuth = solution.azimuth;
     Ok(DrawnSolution::seen(vec![stop, solution, difference.without_contact()], azimuth))
 }
