@@ -129,8 +129,9 @@ enum Command {
     Identify(identify::IdentifyArgs),
     /// Measure how long the members of a study take on this machine
     #[command(
-        after_help = "Times depend on the machine and on what else it does: leave it idle. The time is that of the \n\
-        solver alone, with mesh and load vector made before; with an accuracy, that of all.\n\
+        after_help = "Times depend on the machine and on what else it does: leave it idle. A time is that\n\
+        of the solver alone, with mesh and load vector made before; with an accuracy, that\n\
+        of all.\n\n\
         Examples:\n  signorini bench\n  signorini bench accuracy --csv target/times.csv"
     )]
     Bench(bench::BenchArgs),
