@@ -147,17 +147,18 @@ fn killed_and_interrupted_studies_go_on_where_they_were() {
     }
 }
 
-/// Rows of a study of this project.
-fn rows_of_own(study: &str) -> Vec<Value> {
+/// Rows of a study, of this project or of options.
+fn rows_of_own(study: &[&str]) -> Vec<Value> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_signorini"));
-    command.args(["solve", study, "--json"]).current_dir(ROOT);
+    command.args(["solve", "--json"]).args(study).current_dir(ROOT);
     let said = Said::from(command.output().unwrap());
     said.lines().iter().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
 #[test]
 fn errors_on_the_cube_fall_at_the_optimal_rate() {
-    let rows = rows_of_own("cube-errors");
+    let f = "f=exact(full-contact)|exact(free-strip)|exact(free-disc)";
+    let rows = rows_of_own(&["--domain", "cube", "--vary", f, "--vary", "h=16,32"]);
     assert_eq!(rows.len(), 6);
     for meshes in rows.chunks(2) {
         for (column, order, reach) in
@@ -172,7 +173,7 @@ fn errors_on_the_cube_fall_at_the_optimal_rate() {
 
 #[test]
 fn arcs_that_stick_shrink_exponentially_as_friction_gets_weaker() {
-    let rows = rows_of_own("arcs");
+    let rows = rows_of_own(&["arcs"]);
     let number = |row: &Value, name: &str| row[name].as_f64().unwrap();
     // Two arcs of equal length.
     let lengths: Vec<f64> = rows.iter().map(|row| number(row, "contact_length") / 2.0).collect();
