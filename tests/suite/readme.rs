@@ -120,7 +120,7 @@ fn commands_run_and_outputs_are_true() {
         assert_eq!(drawn(&target), drawn(&figure), "{name} of the command and of the run");
     }
 
-    let pages = [("tutorial", 8), ("accuracy", 1), ("friction", 1), ("studies", 6)];
+    let pages = [("tutorial", 8), ("domains", 1), ("claims", 1), ("studies", 6)];
     for (page, commands) in pages {
         let page = project.join(format!("report/src/{page}.md"));
         assert_eq!(follow(page.to_str().unwrap(), project), commands, "{page:?}");

@@ -1,5 +1,5 @@
-//! Stability beyond what studies can say: counts of the tables with loads that are a little off, as another quadrature or
-//! another order of sums makes them, and random problems for multigrid.
+//! Stability beyond what studies can say: counts of the tables with loads that are a little off, as another quadrature
+//! or another order of sums makes them, and random problems for multigrid.
 
 use crate::pipeline::{Artifacts, Inputs, Made, Task};
 use crate::replication::project::Project;
