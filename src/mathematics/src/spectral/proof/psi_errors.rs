@@ -199,7 +199,7 @@ mod tests {
     fn without_background(psi: Psi) -> Psi {
         let Psi::Jumps(mut parts) = psi else { panic!("jumps") };
         let own = &mut parts[0].potential;
-        (own.background, own.constant) = (0.0, Complex::default());
+        (own.background, own.rounded, own.constant) = (0.0, 0.0, Complex::default());
         Psi::Jumps(parts)
     }
 
