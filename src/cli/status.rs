@@ -118,7 +118,11 @@ fn totals(summary: &Summary) -> String {
             counts.push(format!("{count} {state}"));
         }
     }
-    format!("{} tasks: {}\n", summary.verdicts.len(), counts.join(", "))
+    let tasks = match summary.verdicts.len() {
+        1 => "1 task".to_owned(),
+        count => format!("{count} tasks"),
+    };
+    format!("{tasks}: {}\n", counts.join(", "))
 }
 
 pub(super) fn explain(args: &ExplainArgs) -> Result<u8> {

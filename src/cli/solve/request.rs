@@ -196,6 +196,9 @@ pub(super) fn coarsest(statement: &Statement, scene: Option<&Scene>) -> Result<O
     let file = statement.domain.is_file().then(|| std::fs::read(found(Path::new(path))));
     let file = file.transpose().map_err(|e| match e.kind() {
         ErrorKind::NotFound => Voice::Options.stated(&statement.domain.unknown()),
+        ErrorKind::IsADirectory => {
+            Error::input(format!("--domain {path}: it is a folder; name a file of a mesh in it"))
+        }
         _ => Error::input(format!("{path}: {e}")),
     })?;
     statement.mesh(file.as_deref()).map_err(|e| Voice::Options.stated(&e))
