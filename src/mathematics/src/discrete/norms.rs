@@ -188,21 +188,6 @@ pub fn multiplier_error(
     square.sqrt()
 }
 
-/// L2 norm of the nodal vector `y` with lumped mass, by the trapezoidal rule: at least that of the function that is
-/// bilinear on cells.
-///
-/// # Panics
-/// If `y.len() != grid.nodes()`.
-pub fn lumped(grid: Grid, y: &[f64]) -> f64 {
-    assert_eq!(y.len(), grid.nodes());
-    let n = grid.cells();
-    let share = |i: usize| if i == 0 || i == n { 0.5 } else { 1.0 };
-    let of_row = |(j, row): (usize, &[f64])| -> f64 {
-        share(j) * row.iter().enumerate().map(|(i, value)| share(i) * value * value).sum::<f64>()
-    };
-    grid.h() * y.chunks_exact(n + 1).enumerate().map(of_row).sum::<f64>().sqrt()
-}
-
 /// The greatest `|y_i - v(M_i)|` over the nodes; NaN if any value is.
 ///
 /// # Panics
