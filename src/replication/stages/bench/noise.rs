@@ -7,11 +7,14 @@ use crate::replication::stages::to_json;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
+use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::load;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{NestedGrids, Params, solve_nested};
+use signorini_mathematics::solvers::SaddleSettings;
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
+use std::sync::Arc;
 
 /// Bounds of the relative errors of the load.
 const SIZES: [f64; 5] = [1e-15, 1e-8, 1e-4, 1e-3, 1e-2];
@@ -49,41 +52,17 @@ impl AskedNoise {
     fn harmless(&self) -> Result<Option<f64>, String> {
         let (mut exact, mut harmless) = (Vec::new(), None);
         for (statement, r) in &self.tables {
-            for &r in r {
-                exact.push((statement, r, counts(statement, r, &mut |entry| entry)?));
-            }
+            let loads = Arc::new(Undisturbed::of(statement)?);
+            exact.extend(r.iter().map(|&r| (loads.clone(), r, loads.counts(r, &loads.loads))));
         }
         for size in SIZES {
-            let changed = exact
-                .par_iter()
-                .map(|(statement, r, counts)| self.changes(statement, *r, counts, size));
-            if changed.try_reduce(|| false, |one, other| Ok(one || other))? {
+            let runs = exact.par_iter();
+            if runs.any(|(loads, r, exact)| loads.changes(*r, exact, size, self.repetitions)) {
                 break;
             }
             harmless = Some(size);
         }
         Ok(harmless)
-    }
-
-    /// True if random errors of this size change the counts of one r of a table.
-    fn changes(
-        &self,
-        statement: &Statement,
-        r: f64,
-        exact: &[usize],
-        size: f64,
-    ) -> Result<bool, String> {
-        for repetition in 0..self.repetitions {
-            let stream = size.to_bits() ^ r.to_bits().rotate_left(17) ^ repetition;
-            let mut random = RandomNumbers::new(stream);
-            let found = counts(statement, r, &mut |entry| {
-                entry + entry * (size * (2.0 * random.unit() - 1.0))
-            });
-            if found? != exact {
-                return Ok(true);
-            }
-        }
-        Ok(false)
     }
 
     /// Solves random problems by multigrid.
@@ -105,22 +84,43 @@ impl AskedNoise {
     }
 }
 
-/// Counts of the paper's method on all grids, with all entries of the load vectors changed.
-fn counts(
-    statement: &Statement,
-    r: f64,
-    change: &mut dyn FnMut(f64) -> f64,
-) -> Result<Vec<usize>, String> {
-    let (f, saddle) = (statement.source(), statement.saddle.unwrap_or_default());
-    let f = f.ok_or_else(|| format!("{} is no f on the square", statement.f))?;
-    let grids = statement.grids().map_err(|e| e.to_string())?;
-    let rule = statement.load.unwrap_or(Statement::LOAD);
-    let mut loads: Vec<Vec<f64>> = grids.iter().map(|&grid| load(grid, &f, rule)).collect();
-    loads.iter_mut().flatten().for_each(|entry| *entry = change(*entry));
-    let levels = NestedGrids { grids: &grids, prolongation: saddle.prolongation };
-    let params = Params { r, rule: saddle.stop, ..Params::default() };
-    let (ends, _) = solve_nested(&levels, Law::SIGNORINI, &loads, &params, &mut ());
-    Ok(ends.iter().map(|end| end.end.iterations).collect())
+/// Table with its load vectors without errors, on its grids, coarsest first, and the settings of its runs.
+struct Undisturbed {
+    grids: Vec<Grid>,
+    loads: Vec<Vec<f64>>,
+    saddle: SaddleSettings,
+}
+
+impl Undisturbed {
+    fn of(statement: &Statement) -> Result<Self, String> {
+        let f =
+            statement.source().ok_or_else(|| format!("{} is no f on the square", statement.f))?;
+        let grids = statement.grids().map_err(|e| e.to_string())?;
+        let rule = statement.load.unwrap_or(Statement::LOAD);
+        let loads = grids.iter().map(|&grid| load(grid, &f, rule)).collect();
+        Ok(Self { grids, loads, saddle: statement.saddle.unwrap_or_default() })
+    }
+
+    /// Counts of the paper's method on all grids, with these load vectors.
+    fn counts(&self, r: f64, loads: &[Vec<f64>]) -> Vec<usize> {
+        let SaddleSettings { prolongation, stop, .. } = self.saddle;
+        let levels = NestedGrids { grids: &self.grids, prolongation };
+        let params = Params { r, rule: stop, ..Params::default() };
+        let (ends, _) = solve_nested(&levels, Law::SIGNORINI, loads, &params, &mut ());
+        ends.iter().map(|end| end.end.iterations).collect()
+    }
+
+    /// True if random relative errors of at most this size change the counts in one of so many repetitions.
+    fn changes(&self, r: f64, exact: &[usize], size: f64, repetitions: u64) -> bool {
+        (0..repetitions).any(|repetition| {
+            let stream = size.to_bits() ^ r.to_bits().rotate_left(17) ^ repetition;
+            let (mut random, mut loads) = (RandomNumbers::new(stream), self.loads.clone());
+            for entry in loads.iter_mut().flatten() {
+                *entry += *entry * (size * (2.0 * random.unit() - 1.0));
+            }
+            self.counts(r, &loads) != exact
+        })
+    }
 }
 
 /// Cells per side of the coarsest and of the finest grid of random problems.
@@ -176,7 +176,7 @@ impl RandomNumbers {
 mod tests {
     use super::*;
     use signorini_mathematics::saddle::StopRule;
-    use signorini_mathematics::solvers::{SaddleSettings, Solver};
+    use signorini_mathematics::solvers::Solver;
 
     #[test]
     fn counts_survive_small_errors_of_the_load_but_not_all() {
@@ -187,10 +187,9 @@ mod tests {
             saddle: Some(saddle),
             ..Statement::usual(Domain::square(), "quadrant(ll)=-6; else=1.998")
         };
-        let asked = AskedNoise { tables: Vec::new(), repetitions: 4, problems: 0 };
-        let exact = counts(&statement, 10.0, &mut |entry| entry).unwrap();
-        let changed =
-            [1e-15, 0.1].map(|size| asked.changes(&statement, 10.0, &exact, size).unwrap());
+        let loads = Undisturbed::of(&statement).unwrap();
+        let exact = loads.counts(10.0, &loads.loads);
+        let changed = [1e-15, 0.1].map(|size| loads.changes(10.0, &exact, size, 4));
         assert_eq!(changed, [false, true]);
     }
 
