@@ -1,27 +1,7 @@
-//! Errors against known solutions, times of studies, and the record of times.
+//! Times of studies, and the record of times.
 
 use crate::common::{Project, TABLE};
 use signorini::timing::recorded::{PATH, Timings, number, text};
-use signorini_mathematics::problem::exact::Exact;
-use signorini_mathematics::statement::{Domain, Fineness, Statement};
-
-#[test]
-fn slopes_are_those_of_linear_elements() {
-    for exact in Exact::ALL {
-        let [coarse, fine] = [64, 128].map(|cells| {
-            let f = format!("exact({})", exact.name());
-            let usual = Statement::usual(Domain::square(), f);
-            let solved = Statement { fineness: Fineness::Width(cells), ..usual }.solved(None);
-            solved.unwrap().errors().unwrap()
-        });
-        for (coarse, fine, slope) in
-            [(coarse.l2, fine.l2, 2.0), (coarse.h1, fine.h1, 1.0), (coarse.max, fine.max, 2.0)]
-        {
-            let found = (coarse / fine).log2();
-            assert!((found - slope).abs() < 0.05, "{exact:?}: {found} for {slope}");
-        }
-    }
-}
 
 #[test]
 fn members_of_a_study_are_timed() {
@@ -44,20 +24,6 @@ fn members_of_a_study_are_timed() {
     let table = std::fs::read_to_string(csv).unwrap();
     assert!(table.lines().next().unwrap().ends_with(",seconds,spread"), "{table}");
     assert_eq!(table.lines().count(), 5);
-}
-
-#[test]
-fn what_cannot_be_timed_is_refused() {
-    let project = Project::with(TABLE);
-    project.scene("first", TABLE);
-    for (args, remedy) in [
-        (&["--repeats", "0"][..], "at least 1"),
-        (&["first"], "varies nothing; add `vary`"),
-        (&["--csv", "times.txt"], "let the name end with .csv"),
-    ] {
-        let said = project.run(&[&["bench"], args].concat());
-        assert!(said.refusal().contains(remedy), "{args:?}: {said:?}");
-    }
 }
 
 const RECORD: &str = "schema = 1\nbandwidth = 20\n[machine]\ncpu = \"c\"\n\

@@ -1,6 +1,7 @@
 //! The active set method on stretched cells, whose matrices are no M-matrices: it ends by itself at the solution.
 
-use super::stretched::{Random, Rectangle, Stretch, random_problem};
+use crate::common::Dice;
+use crate::stretched::{Rectangle, Stretch, count, positions, random_problem, tetrahedra};
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{AnyMesh, Condition, Facet, MeshData, Names, Part};
@@ -16,9 +17,9 @@ struct Block {
 }
 
 impl Block {
-    fn random(random: &mut Random, most_aspect: f64) -> Self {
-        let counts = [random.count(1, 7), random.count(1, 7), random.count(1, 5)];
-        let height = counts[2] as f64 / counts[0] as f64 / most_aspect.powf(random.next());
+    fn random(random: &mut Dice, most_aspect: f64) -> Self {
+        let counts = [count(random, 1, 7), count(random, 1, 7), count(random, 1, 5)];
+        let height = counts[2] as f64 / counts[0] as f64 / most_aspect.powf(random.unit());
         Self { counts, height, moved: random.between(0.0, 0.25) }
     }
 
@@ -26,7 +27,7 @@ impl Block {
         (at[0] + (self.counts[0] + 1) * (at[1] + (self.counts[1] + 1) * at[2])) as u32
     }
 
-    fn points(&self, random: &mut Random) -> Vec<[f64; 3]> {
+    fn points(&self, random: &mut Dice) -> Vec<[f64; 3]> {
         let size = [1.0, 1.0, self.height];
         let mut points = Vec::new();
         let sides = self.counts.map(|count| count + 1);
@@ -41,16 +42,11 @@ impl Block {
     }
 
     /// Mesh with a part for each side; a side is free or fixed at random, the one below never.
-    fn mesh(&self, random: &mut Random) -> AnyMesh {
+    fn mesh(&self, random: &mut Dice) -> AnyMesh {
         let points = self.points(random);
         let (mut cells, mut facets) = (Vec::new(), Vec::new());
         for first in positions(self.counts) {
-            for axes in [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]] {
-                let mut corners = [first; 4];
-                for (k, axis) in axes.into_iter().enumerate() {
-                    corners[k + 1] = corners[k];
-                    corners[k + 1][axis] += 1;
-                }
+            for corners in tetrahedra(first) {
                 cells.push(corners.map(|at| self.node(at)));
                 for (part, (d, place)) in
                     (0..3).flat_map(|d| [(d, 0), (d, self.counts[d])]).enumerate()
@@ -64,7 +60,7 @@ impl Block {
             }
         }
         let parts = ["west", "east", "south", "north", "below", "above"].map(|name| {
-            let condition = match random.next() {
+            let condition = match random.unit() {
                 low if low < 0.15 && name != "below" => Condition::Fixed,
                 low if low < 0.35 && name != "below" => Condition::Free,
                 _ => Condition::Contact,
@@ -76,18 +72,13 @@ impl Block {
     }
 }
 
-/// All triples of numbers below these, the first the fastest.
-fn positions([x, y, z]: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
-    (0..x * y * z).map(move |k| [k % x, k / x % y, k / x / y])
-}
-
 /// Random problem on a random block; none if the flux cannot balance f.
-fn block_problem(random: &mut Random, most_aspect: f64) -> Option<Problem> {
+fn block_problem(random: &mut Dice, most_aspect: f64) -> Option<Problem> {
     let block = Block::random(random, most_aspect);
     let mesh = block.mesh(random);
     let f = format!("formula({}*x-{})", random.between(1.0, 6.0), random.between(0.0, 4.0));
     let flux = random.between(0.2, 4.0) * block.height.min(1.0);
-    let law = match random.count(0, 3) {
+    let law = match count(random, 0, 3) {
         0 => Law::SIGNORINI,
         1 => Law::new(0.0, flux).unwrap(),
         _ => Law::new(-flux, flux).unwrap(),
@@ -126,7 +117,7 @@ fn strips_whose_contact_the_primal_dual_steps_move_by_a_node_each_are_solved() {
             (Law::SIGNORINI, "rect(0,0.3,-9,9)=3; else=-2"),
             (Law::new(0.0, 1.5).unwrap(), "rect(0.2,0.3,-9,9)=9; rect(0.7,0.75,-9,9)=13; else=-2"),
         ] {
-            let mesh = strip.mesh(&mut Random(3));
+            let mesh = strip.mesh(&mut Dice(3));
             is_solved(&Problem::on_mesh(&mesh, 0, f, law).unwrap());
         }
     }
@@ -134,7 +125,7 @@ fn strips_whose_contact_the_primal_dual_steps_move_by_a_node_each_are_solved() {
 
 #[test]
 fn cells_of_any_aspect_are_solved_in_the_plane_and_in_space() {
-    let mut random = Random(0xa076_1d64_78bd_642f);
+    let mut random = Dice(0xa076_1d64_78bd_642f);
     let mut solved = 0;
     while solved < 40 {
         let problem = match solved % 2 {

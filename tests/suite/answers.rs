@@ -1,13 +1,13 @@
-//! Answers that say what they are worth, and inputs that are refused before any work is done.
+//! Answers that say what they are worth, on every domain, and sizes that cannot fit.
 
-use crate::common::{Project, Said, TABLE, interrupt, number};
-use serde_json::Value;
-use std::fs;
+use crate::common::{Project, Said, TABLE, bracket, interrupt, number};
+use crate::reference::REFERENCES;
+use serde_json::{Value, json};
 use std::io::Read;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-const CORNER: &str = "quadrant(ll)=3; else=-1.1";
+const CORNER: &str = "--f 'quadrant(ll)=3; else=-1.1'";
 
 /// The JSON of an answer that is none: shown all the same, with exit code 3 and the reason in one line.
 #[track_caller]
@@ -19,30 +19,24 @@ fn refused(said: &Said) -> Value {
 #[test]
 fn converged_is_said_only_where_the_conditions_hold() {
     let project = Project::with(TABLE);
-    let solve = |more: &[&str]| {
-        project.run(&[&["solve", "--f", CORNER, "--load", "nodal", "--json"], more].concat())
-    };
-    let paper = ["--solver", "arrow-hurwicz"];
+    let solve = |more: &str| project.line(&format!("solve {CORNER} --load nodal --json {more}"));
     // The load sums to +0.305: no minimiser.
-    let json = refused(&solve(&[&paper[..], &["--h", "1/6"]].concat()));
-    assert!(json["sum_load"].as_f64().unwrap() > 0.0);
-    assert_ne!(json["stop"], "converged");
-    let uzawa = ["--solver", "uzawa", "--max-iterations", "20000"];
-    let json = refused(&solve(&[&uzawa[..], &["--h", "1/16"]].concat()));
-    assert_ne!(json["stop"], "converged");
+    let json = refused(&solve("--solver arrow-hurwicz --h 1/6"));
+    assert!(number(&json["sum_load"]) > 0.0 && json["stop"] != "converged", "{json}");
+    let uzawa = "--solver uzawa --max-iterations 20000 --h";
+    assert_ne!(refused(&solve(&format!("{uzawa} 1/16")))["stop"], "converged");
     // Coarse grids without a minimiser must not lead astray unnoticed: the energy is -0.1099.
-    let json = solve(&[&uzawa[..], &["--h", "1/32"]].concat()).json();
-    let energy = json["energy"].as_f64().unwrap();
-    assert!(json["stop"] != "converged" || (energy + 0.1099).abs() < 0.01, "{json}");
+    let json = solve(&format!("{uzawa} 1/32")).json();
+    let is_near = (number(&json["energy"]) + 0.1099).abs() < 0.01;
+    assert!(json["stop"] != "converged" || is_near, "{json}");
     assert!(json["warnings"][0].as_str().unwrap().contains("1/4, 1/8, 1/16"), "{json}");
     // Too few iterations: the answer is shown, and not called one.
-    let json = refused(&solve(&["--h", "1/64", "--max-iterations", "3"]));
+    let json = refused(&solve("--h 1/64 --max-iterations 3"));
     assert_eq!(json["stop"], "iteration-limit");
     assert!(json["grids"].as_array().unwrap().iter().any(|grid| grid["stop"] != "converged"));
     // A problem with a solution, well solved.
-    for how in [&paper[..], &["--tolerance", "1e-6"]] {
-        let args = ["solve", "--f", "else=-1", "--h", "1/64", "--json"];
-        let said = project.run(&[&args[..], how].concat());
+    for how in ["--solver arrow-hurwicz", "--tolerance 1e-6"] {
+        let said = project.line(&format!("solve --f else=-1 --h 1/64 --json {how}"));
         assert_eq!((said.code, &said.json()["stop"]), (Some(0), &"converged".into()));
     }
 }
@@ -51,81 +45,139 @@ fn converged_is_said_only_where_the_conditions_hold() {
 fn complementarity_is_the_sum_of_v_r_and_contact_is_counted() {
     let project = Project::with(TABLE);
     // Contact everywhere, and v r is a rounding error there.
-    let args = ["solve", "--f", "else=-1", "--h", "1/32", "--solver", "multigrid", "--json"];
-    let json = project.run(&args).json();
-    assert_eq!(json["contact_nodes"]["nodes"], json["contact_nodes"]["boundary_nodes"]);
-    assert_eq!(
-        (&json["contact_nodes"]["nodes"], &json["kkt"]["complementarity"]),
-        (&128.into(), &0.0.into())
-    );
-    assert_eq!(json["kkt"]["max_min"], 0.0);
+    let json = project.answer("--f else=-1 --h 1/32 --solver multigrid");
+    assert_eq!(json["contact_nodes"], json!({ "nodes": 128, "boundary_nodes": 128 }));
+    assert_eq!([&json["kkt"]["complementarity"], &json["kkt"]["max_min"]], [0.0; 2]);
     // In a corner without load both v and r are zero, and the nodes beside it are in contact.
-    let f = "rect(-0.25,0.25,-0.25,0.25)=-4; else=0";
-    let json = project.run(&[&["solve", "--f", f], &args[3..]].concat()).json();
+    let json =
+        project.answer("--f 'rect(-0.25,0.25,-0.25,0.25)=-4; else=0' --h 1/32 --solver multigrid");
     assert_eq!(json["contact_nodes"]["nodes"], json["contact_nodes"]["boundary_nodes"]);
     let arcs = json["contact"].as_array().unwrap();
     assert!(arcs.len() == 1 && arcs[0]["from"] == arcs[0]["to"], "{json}");
     // For a solution E = -<F, v> / 2 + <r, v> / 2, so that v r can be told from energies of scaled loads.
-    let args = ["solve", "--f", CORNER, "--load", "nodal", "--h", "1/64", "--stop", "printed"];
-    let json = project.run(&[&args[..], &["--json"]].concat()).json();
-    let number = |name: &str| json["kkt"][name].as_f64().unwrap();
-    assert!(number("complementarity").abs() > number("max_min"), "a sum, not a maximum: {json}");
-    let cube = ["solve", "--domain", "cube", "--f", "else=-1", "--h", "1/8", "--json"];
-    let json = project.run(&cube).json();
+    let kkt = &project.answer(&format!("{CORNER} --load nodal --h 1/64 --stop printed"))["kkt"];
+    let [sum, most] = ["complementarity", "max_min"].map(|name| number(&kkt[name]));
+    assert!(sum.abs() > most, "a sum, not a maximum: {kkt}");
+    let json = project.answer("--domain cube --f else=-1 --h 1/8");
     assert_eq!(json["contact_nodes"]["boundary_nodes"], 9 * 9 * 9 - 7 * 7 * 7);
 }
 
 #[test]
-fn loads_are_integrals_unless_told_otherwise_and_one_that_misses_the_jumps_is_announced() {
+fn accuracy_chooses_the_grid_and_an_answer_without_a_bound_says_why() {
     let project = Project::with(TABLE);
-    let disc = ["solve", "--f", "disc(0.1,0,0.23)=2; else=-1", "--h", "1/32"];
-    let ball = ["solve", "--domain", "cube", "--f", "ball(0,0.1,0,0.3)=2; else=-1", "--h", "1/32"];
-    let number = |json: &Value, name: &str| json[name].as_f64().unwrap();
-    // On the cube both are sums over 196 608 tetrahedra.
-    for (args, rounding) in [(&disc[..], 1e-13), (&ball, 1e-11)] {
-        let json = project.run(&[args, &["--json"]].concat()).json();
-        let [sum, integral] = ["sum_load", "integral_f"].map(|name| number(&json, name));
-        assert!((sum - integral).abs() < rounding, "{json}");
-        assert_eq!(json["warnings"], Value::Array(Vec::new()));
+    let (f, energy) = (REFERENCES[0].f, REFERENCES[0].energy);
+    let solve = |more: &str| project.answer(&format!("--f '{f}' {more}"));
+    let json = solve("--accuracy 0.004");
+    // The energy is minus half the square of the energy norm.
+    let norm = (-2.0 * energy).sqrt();
+    let [least, most] = [0, 1].map(|k| number(&json["bound"]["error"][k]) / norm);
+    assert!(0.0025 < least && most < 0.004, "reached, with a grid hardly too fine: {json}");
+    let fixed = solve("--solver multigrid --load exact --h 1/512");
+    assert!(number(&json["h"]) >= number(&fixed["h"]));
+    assert!(number(&fixed["bound"]["error"][1]) < 0.004);
+    let json = solve("--accuracy-energy 1e-7 --solver multigrid");
+    let [low, high] = bracket(&json);
+    assert!(low <= energy && energy <= high, "{json}");
+    let reached = (high - low) / -high;
+    assert!((0.3e-7..1e-7).contains(&reached), "with a grid hardly too fine: {json}");
+    // Read back, the ends of the bracket may be off by a bit.
+    let stated = number(&json["bound"]["relative"]["energy"]);
+    assert!((stated / reached - 1.0).abs() < 1e-8, "{json}");
+    // The next grid has no lines along the borders of f, and a wider bracket; on coarse grids the error may be larger
+    // than the solution. Neither is a sign of rounding errors.
+    for (f, accuracy) in [
+        ("rect(-0.2,0.3,-0.25,0.22)=4; else=-1.5", 1e-6),
+        ("rect(-0.5,0.5,-0.5,-0.499)=-3; else=0", 1e-2),
+    ] {
+        let json = project.answer(&format!("--f '{f}' --accuracy-energy {accuracy}"));
+        assert!(number(&json["bound"]["relative"]["energy"]) <= accuracy, "{json}");
+        assert_eq!(json["settings"]["accuracy-energy"], accuracy);
     }
-    let json = project.run(&[&disc[..], &["--json"]].concat()).json();
-    assert_eq!(json["settings"]["load"], "bilinear");
-    // The nodal rule misses the circle, and half of a jump along a line of the grid.
-    let missed = "values at the nodes miss where f jumps";
-    project.scene("jump", &TABLE.replace("else=-1", "quadrant(ll)=2; else=-1"));
-    for args in [&[&disc[..], &["--load", "nodal"]].concat()[..], &["solve", "jump"]] {
-        let json = project.run(&[args, &["--json"]].concat()).json();
-        assert_eq!(json["settings"]["load"], "nodal");
-        let off = number(&json, "sum_load") - number(&json, "integral_f");
-        assert!(off.abs() > number(&json, "h").powi(2), "{json}");
-        let warnings = json["warnings"].as_array().unwrap();
-        assert!(warnings.iter().any(|text| text.as_str().unwrap().contains(missed)), "{json}");
-        let text = project.run(args).out;
-        assert_eq!(text.lines().filter(|line| line.contains(missed)).count(), 1, "{text}");
-    }
-    // Without a jump there is nothing to miss.
-    let said = project.run(&["solve", "--f", "else=-1", "--load", "nodal", "--json"]);
-    assert_eq!(said.json()["warnings"], Value::Array(Vec::new()));
+    // Single nodes where contact ends keep large residuals, which a guaranteed bound makes no matter.
+    let json = project.answer(
+        "--f 'disc(0.125,0.2914,0.3053)=4; halfplane(-0.3227,-0.112,0.125)=0; quadrant(lr)=-4.09; \
+         rect(0.2757,1,0,0.3331)=4; else=-1.226' --accuracy 0.002",
+    );
+    assert!(number(&json["kkt"]["relative"]) > 0.1, "{json}");
+    assert_eq!(json["warnings"], json!([]));
+    let cube = project.answer("--domain cube --f else=-1 --h 1/8");
+    let [low, high] = bracket(&cube);
+    // Fourier series of the solution, which is zero on the surface.
+    assert!(low < -0.010_084_25 && high > -0.010_084_24 && high < 0.9 * -0.010_084, "{cube}");
+    assert!(cube["contact"].is_null(), "{cube}");
+}
+
+/// v and the first two components of its gradient at the only point of an answer.
+fn at_point(answer: &Value) -> [f64; 3] {
+    let value = &answer["values"][0];
+    [&value["v"], &value["gradient"][0], &value["gradient"][1]].map(number)
 }
 
 #[test]
-fn energies_of_large_f_are_right() {
+fn grids_meshes_and_the_true_solution_agree_at_a_point() {
     let project = Project::with(TABLE);
-    for solver in ["multigrid", "active-set", "spectral"] {
-        let [large, one] = ["else=-1e129", "else=-1"].map(|f| {
-            number(
-                &project.run(&["solve", "--f", f, "--solver", solver, "--json"]).json()["energy"],
-            )
-        });
-        assert!((large / 1e258 - one).abs() < 1e-12 * one.abs(), "{solver}: {large} {one}");
+    let [truth, fine, coarse] = ["--solver spectral", "--h 1/512", "--accuracy 2e-2"].map(|how| {
+        let f = "--f 'disc(-0.25,0,0.2)=6; else=-1' --at 0.13,-0.21";
+        at_point(&project.answer(&format!("{f} {how}")))
+    });
+    for (found, bounds) in [(fine, [1e-5, 1e-2, 1e-2]), (coarse, [1e-3, 0.1, 0.1])] {
+        let is_near = (0..3).all(|d| (found[d] - truth[d]).abs() < bounds[d]);
+        assert!(is_near, "{found:?} {truth:?}");
+    }
+    // Uniform and adapted meshes of one domain.
+    let [uniform, adapted] = ["--refine 6", "--accuracy 1e-2"].map(|how| {
+        let f = "--domain lshape --f 'rect(-9,0,-9,0)=3; else=-2' --at -0.3,-0.4";
+        at_point(&project.answer(&format!("{f} {how}")))
+    });
+    assert!((uniform[0] - adapted[0]).abs() < 5e-3, "{uniform:?} {adapted:?}");
+    let cube = project.answer("--domain cube --f else=-1 --h 1/8 --at 0,0,0");
+    assert_eq!(cube["values"][0]["gradient"].as_array().unwrap().len(), 3);
+    assert!(at_point(&cube)[0] < 0.0, "{cube}");
+}
+
+#[test]
+fn where_f_varies_within_cells_no_least_error_is_claimed() {
+    let project = Project::with(TABLE);
+    for (domain, f, is_claimed) in [
+        ("lshape", "else=-1", true),
+        ("lshape", "formula(x-3)", false),
+        ("lshape", "formula(-1-sin(40*x)*sin(40*y))", false),
+        ("cube", "else=-1", true),
+        ("cube", "exact(free-disc)", false),
+        ("cube", "exact(full-contact)", false),
+        ("ball", "formula(z-3)", false),
+    ] {
+        let fine = if domain == "cube" { "--h 1/8" } else { "--refine 2" };
+        let json = project.answer(&format!("--domain {domain} --f '{f}' {fine}"));
+        let [least, most] = [0, 1].map(|end| number(&json["bound"]["error"][end]));
+        assert!(least < most && (least > 0.0) == is_claimed, "{domain} {f}: {json}");
+        if let Some(h1) = json["errors"]["h1"].as_f64() {
+            let l2 = number(&json["errors"]["l2"]);
+            assert!(least <= h1 && h1 * h1 - l2 * l2 <= most * most, "{domain} {f}: {json}");
+        }
     }
 }
 
-/// The binary in a shell with limits.
-fn limited(limits: &str, project: &Project, args: &[&str]) -> Said {
+#[test]
+fn the_length_in_contact_is_that_of_the_arcs_on_every_domain() {
+    let project = Project::with(TABLE);
+    for (f, fine, tolerance) in [
+        ("--domain lshape --f 'rect(-1,0,-1,0)=3; else=-2'", "--refine 4", 0.05),
+        ("--f 'halfplane(1,0,0)=8; else=-9'", "--h 1/128", 0.02),
+    ] {
+        let [truth, found] = ["--solver spectral", fine].map(|how| {
+            number(&project.answer(&format!("{f} --friction 1 {how}"))["contact_length"])
+        });
+        assert!((truth - found).abs() < tolerance, "{f}: {truth} {found}");
+        assert!(!f.contains("lshape") || (truth - 7.0803).abs() < 1e-3, "{truth}");
+    }
+}
+
+/// The binary in a shell with so many kilobytes of memory.
+fn limited(kilobytes: usize, project: &Project, line: &str) -> Said {
     let mut command = Command::new("bash");
-    let script = format!("trap '' XFSZ; {limits}; exec \"$0\" \"$@\"");
-    command.args(["-c", &script, env!("CARGO_BIN_EXE_signorini")]).args(args);
+    let script = format!("ulimit -v {kilobytes}; exec \"$0\" {line}");
+    command.args(["-c", &script, env!("CARGO_BIN_EXE_signorini")]);
     command.current_dir(project.path("")).stdin(Stdio::null());
     command.output().unwrap().into()
 }
@@ -133,35 +185,22 @@ fn limited(limits: &str, project: &Project, args: &[&str]) -> Said {
 #[test]
 fn sizes_that_cannot_fit_are_refused_with_what_would() {
     let project = Project::with(TABLE);
-    let solve = |n: &str| {
-        let args = ["solve", "--f", "else=-1", "--h", n, "--solver", "multigrid"];
-        limited("ulimit -v 1000000", &project, &args)
-    };
-    let said = solve("1/8192");
-    let line = said.refusal();
-    let fits = line.split("; 1/").nth(1).and_then(|rest| rest.strip_suffix(" would fit"));
-    assert_eq!(solve(&format!("1/{}", fits.unwrap())).code, Some(0), "{line}");
+    let solve = |more: &str| limited(1_000_000, &project, &format!("solve --f else=-1 {more}"));
+    let said = solve("--solver multigrid --h 1/8192");
+    let fits = said.refusal().split("; 1/").nth(1).and_then(|rest| rest.strip_suffix(" would fit"));
+    assert_eq!(solve(&format!("--h 1/{}", fits.unwrap())).code, Some(0), "{said:?}");
     // Writing takes memory too.
     let recovered =
-        ["solve", "--f", "else=-1", "--h", "1/2048", "--solver", "multigrid", "--recover"];
-    for (args, code) in [(&recovered[..7], 0), (&[&recovered[..], &["--out", "v.vti"]].concat(), 2)]
-    {
-        let said = limited("ulimit -v 1000000", &project, args);
-        assert_eq!(said.code, Some(code), "{said:?}");
-    }
-    let accurate = ["solve", "--f", "quadrant(ll)=3; else=-1.1", "--accuracy", "2e-4"];
+        ["", "--recover --out v.vti"].map(|out| solve(&format!("--h 1/2048 {out}")).code);
+    assert_eq!(recovered, [Some(0), Some(2)]);
     // On a mesh.
-    let mesh = ["solve", "--domain", "disc", "--f", "else=-1", "--refine", "11"];
-    let said = limited("ulimit -v 1000000", &project, &mesh);
-    assert!(
-        said.refusal().contains("--refine 11 takes about 6040 MB of memory, where "),
-        "{said:?}"
-    );
+    let said = solve("--domain disc --refine 11");
+    assert!(said.refusal().contains("--refine 11 takes about 6040 MB of memory, where "));
     assert!(said.refusal().ends_with(" MB are left; --refine 9 would fit"), "{said:?}");
-    let said = limited("ulimit -v 700000", &project, &accurate);
+    let said = limited(700_000, &project, &format!("solve {CORNER} --accuracy 2e-4"));
     assert!(said.refusal().starts_with("error: --accuracy 0.0002: grid 1/7168 takes"), "{said:?}");
     // What is not foreseen ends in a line as well, not in an abort.
-    let said = limited("ulimit -v 140000", &project, &["bench", "--quick", "--finest", "8192"]);
+    let said = limited(140_000, &project, "bench --quick --finest 8192");
     assert!(matches!(said.code, Some(2 | 3)) && said.err.contains("error: "), "{said:?}");
 }
 
@@ -205,36 +244,4 @@ fn wait_for(words: &str, reader: &mut impl Read) -> Option<()> {
         said.push(char::from(byte[0]));
     }
     Some(())
-}
-
-#[test]
-fn a_certificate_is_written_to_a_new_or_an_empty_folder_as_a_whole() {
-    let project = Project::with(&(TABLE.to_owned() + "paper_table = 1\n"));
-    project.run(&["run"]).lines();
-    let certify = |folder: &str| project.run(&["certificate", "--output", folder]);
-    fs::create_dir(project.path("review")).unwrap();
-    project.write("review/notes.txt", "mine");
-    project.write("file", "mine");
-    for taken in ["review", "file"] {
-        let said = certify(taken);
-        let remedy = "is there already; move it away, or name a new folder with --output";
-        assert!(said.refusal().ends_with(&format!("{taken} {remedy}")), "{said:?}");
-    }
-    assert_eq!(project.files("review").len(), 1, "nothing is written beside it");
-    fs::remove_file(project.path("review/notes.txt")).unwrap();
-    certify("review").lines();
-    let page = fs::read_to_string(project.path("review/certificate.md")).unwrap();
-    assert!(page.contains("| program built from | `"), "{page}");
-    certify("new").lines();
-    assert!(certify("new").refusal().contains("new is there already"));
-    #[cfg(unix)]
-    {
-        fs::create_dir(project.path("empty")).unwrap();
-        std::os::unix::fs::symlink("empty", project.path("link")).unwrap();
-        certify("link/").lines();
-        assert!(project.path("empty/certificate.md").exists());
-    }
-    let left = fs::read_dir(project.path(".")).unwrap().flatten();
-    let names = left.map(|entry| entry.file_name().to_string_lossy().into_owned());
-    assert_eq!(names.filter(|name| name.ends_with(".tmp")).count(), 0);
 }

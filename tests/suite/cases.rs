@@ -28,7 +28,8 @@ macro_rules! pages {
 }
 
 pages! {
-    answers, cache, comparison, damage, f, files, init, links, meshes, names, others, refusals, runs, studies,
+    answers, book, cache, certificate, comparison, damage, domains, f, files, identify, init, links, meshes, names,
+    others, refusals, runs, studies,
 }
 
 fn folder() -> PathBuf {

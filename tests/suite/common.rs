@@ -1,12 +1,13 @@
 //! A small project in a temporary folder, and the binary run in it.
 
-use proptest::prelude::ProptestConfig;
-use proptest::test_runner::RngSeed;
+pub(crate) use crate::samples::{
+    Dice, Row, config, gmsh_file, mesh, mesh_path, paper_problems, random_source, rows,
+};
+
 use serde_json::Value;
-use signorini_mathematics::discrete::load::integral;
-use signorini_mathematics::problem::source::Source;
 use std::collections::BTreeMap;
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::LazyLock;
@@ -24,20 +25,6 @@ pub(crate) const TABLE: &str = "title = \"Suction\"\nf = \"else=-1\"\ngrids = [4
 /// Published values for grids 1/4, 1/8 and r = 10, 1; the last count is one that nobody computes.
 pub(crate) const PAPER: &str = "r = [10.0, 1.0]\n\n[[table]]\nnumber = 1\ncounts = [[1, 2], [1, 100000]]\n\
     delta_a = [1e-4, 1e-4]\ncount_share = 0.1\ncount_slack = 1000\ndelta_a_factor = 1e30\n";
-
-/// Names and f of the paper's problems, from their scenes.
-pub(crate) fn paper_problems() -> Vec<(String, String)> {
-    let scenes = [
-        include_str!("../../pipeline/scenes/problem1.toml"),
-        include_str!("../../pipeline/scenes/problem2.toml"),
-    ];
-    let scenes = scenes.map(|text| text.parse::<toml::Table>().unwrap());
-    let named = scenes.map(|scene| {
-        let (name, f) = (format!("problem {}", scene["paper_table"]), scene["f"].as_str());
-        (name, f.unwrap().to_owned())
-    });
-    named.into()
-}
 
 /// Variables of the environment that change how the program talks.
 pub(crate) const TALK: [&str; 5] = ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "CI"];
@@ -162,6 +149,30 @@ impl Project {
         project
     }
 
+    /// Text of a file of the project.
+    #[track_caller]
+    pub(crate) fn read(&self, path: &str) -> String {
+        fs::read_to_string(self.path(path)).unwrap_or_else(|e| panic!("{path}: {e}"))
+    }
+
+    /// Rows of the table of all results, which a run makes for a book.
+    #[track_caller]
+    pub(crate) fn results(&self) -> Vec<Row> {
+        rows(&self.read("report/results.csv"))
+    }
+
+    /// Answer of `solve --json` to the words of a line, which are split as a shell does it.
+    #[track_caller]
+    pub(crate) fn answer(&self, line: &str) -> Value {
+        self.line(&format!("solve --json {line}")).json()
+    }
+
+    /// Runs the binary with the words of a line, which are split as a shell does it.
+    pub(crate) fn line(&self, line: &str) -> Said {
+        let words = shlex::split(line).expect("quotes in pairs");
+        self.run(&words.iter().map(String::as_str).collect::<Vec<_>>())
+    }
+
     /// Adds a book of one page, `one`, with this text.
     pub(crate) fn add_book(&self, page: &str) {
         fs::create_dir_all(self.path("report/templates")).unwrap();
@@ -251,6 +262,12 @@ impl Project {
     }
 }
 
+/// Bracket of the true energy in an answer.
+#[track_caller]
+pub(crate) fn bracket(json: &Value) -> [f64; 2] {
+    [0, 1].map(|end| number(&json["bound"]["energy"][end]))
+}
+
 /// The commands that the help of the program lists, but for `help` itself.
 pub(crate) fn commands(help: &str) -> Vec<&str> {
     let listed = help.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
@@ -271,12 +288,6 @@ pub(crate) fn this_project() -> signorini::replication::project::Project {
 pub(crate) fn skip(why: &str) {
     let ci = std::env::var_os("CI").is_some_and(|ci| !ci.is_empty() && ci != "false");
     assert!(!ci, "skipped in CI: {why}");
-    absent(why);
-}
-
-/// Says that something is not tested here, past libtest's capture, for want of what `.ci/run` does not install either.
-pub(crate) fn absent(why: &str) {
-    use std::io::Write;
     let _ = writeln!(std::io::stderr(), "SKIPPED: {why}");
 }
 
@@ -358,106 +369,4 @@ pub(crate) fn assert_same(ours: &BTreeMap<String, Vec<u8>>, theirs: &BTreeMap<St
     let differ: Vec<_> =
         names.into_iter().filter(|name| ours.get(*name) != theirs.get(*name)).collect();
     assert!(differ.is_empty(), "differ or exist once only: {differ:?}");
-}
-
-/// Deterministic numbers that look random: xorshift64*.
-pub(crate) struct Dice(pub u64);
-
-impl Dice {
-    /// A number below `bound`.
-    pub(crate) fn below(&mut self, bound: u64) -> u64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 32) % bound
-    }
-
-    /// A number from 0 to 1.
-    pub(crate) fn unit(&mut self) -> f64 {
-        self.below(1 << 32) as f64 / 2f64.powi(32)
-    }
-
-    /// A number between two others.
-    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-}
-
-/// Overlapping shapes with a negative integral, to two decimals.
-pub(crate) fn random_source(dice: &mut Dice) -> Source {
-    let mut hundredths = |low: i64, high: i64| {
-        let width = u64::try_from(high - low).unwrap();
-        (low + i64::try_from(dice.below(width)).unwrap()) as f64 / 100.0
-    };
-    loop {
-        let mut text = String::new();
-        for _ in 0..hundredths(100, 500) as usize {
-            let value = hundredths(-800, 800);
-            text += &match hundredths(0, 500) as usize {
-                0 | 1 => {
-                    let [x, y] = [0; 2].map(|_| hundredths(-60, 40));
-                    let [w, h] = [0; 2].map(|_| hundredths(5, 80));
-                    format!("rect({x},{},{y},{})", x + w, y + h)
-                }
-                2 => ["quadrant(ll)", "quadrant(lr)", "quadrant(ul)", "quadrant(ur)"]
-                    [hundredths(0, 400) as usize]
-                    .into(),
-                3 => {
-                    let [x, y] = [0; 2].map(|_| hundredths(-60, 60));
-                    format!("disc({x},{y},{})", hundredths(6, 45))
-                }
-                _ => {
-                    let [a, c] = [hundredths(-100, 100), hundredths(-50, 50)];
-                    format!("halfplane({a},{},{c})", hundredths(-100, 100) + 0.003)
-                }
-            };
-            text += &format!("={value}; ");
-        }
-        let f: Source = (text + &format!("else={}", hundredths(-600, 300))).parse().unwrap();
-        if integral(&f) < -0.02 {
-            return f;
-        }
-    }
-}
-
-/// The browser in which pages are opened, if there is one.
-pub(crate) fn browser() -> Option<PathBuf> {
-    let names = ["chromium", "chromium-browser", "google-chrome", "chrome"];
-    let path = std::env::var_os("PATH")?;
-    let folders: Vec<_> = std::env::split_paths(&path).collect();
-    names.iter().flat_map(|name| folders.iter().map(move |f| f.join(name))).find(|p| p.is_file())
-}
-
-/// The elements of a page, opened with a query, after its scripts have run for so many milliseconds of their own time.
-pub(crate) fn dom(browser: &Path, page: &Path, query: &str, budget: u32) -> String {
-    let profile = tempfile::tempdir().unwrap();
-    let output = Command::new(browser)
-        .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
-        .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
-        .args(["--hide-scrollbars", "--window-size=900,1600", "--dump-dom"])
-        .arg("--allow-file-access-from-files")
-        .arg(format!("--virtual-time-budget={budget}"))
-        .arg(format!("--user-data-dir={}", profile.path().display()))
-        .arg(format!("file://{}{query}", page.display()))
-        .stdin(Stdio::null())
-        .output()
-        .expect("the browser starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-/// The value of an attribute as it was before it was written into a page.
-pub(crate) fn unescaped(text: &str) -> String {
-    let pairs = [("&quot;", "\""), ("&lt;", "<"), ("&gt;", ">"), ("&amp;", "&")];
-    pairs.into_iter().fold(text.into(), |text: String, (from, to)| text.replace(from, to))
-}
-
-/// Settings of a property test with the same cases every time: a failure is a failure for everyone.
-pub(crate) fn config(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(1),
-        ..ProptestConfig::default()
-    }
 }

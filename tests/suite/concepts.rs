@@ -4,6 +4,7 @@
 //! No file is exempt; code for tests alone does not count.
 
 use crate::common::files_below;
+use crate::layout::paths_after;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -15,9 +16,6 @@ const TYPES_OF_THE_MATHEMATICS: usize = 160;
 
 /// Most methods of the trait of geometry and load.
 const METHODS_OF_LEVELS: usize = 15;
-
-/// Name of the mathematics in the program.
-const MATHEMATICS: &str = "signorini_mathematics";
 
 /// Folders of the other packages.
 const OTHER_PACKAGES: [&str; 2] = ["mathematics/", "pipeline/"];
@@ -67,51 +65,11 @@ fn code(text: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// Paths of the mathematics that a code names: those of `use`, one for each item of a group, and those in the code.
+/// Paths of the mathematics that a code names, one for each item of a group.
 fn named(code: &str) -> BTreeSet<String> {
-    let mut found = BTreeSet::new();
-    for rest in code.split(&format!("{MATHEMATICS}::")).skip(1) {
-        let tree: String = rest.chars().take_while(|&c| c != ';').collect();
-        match rest.find(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':')) {
-            Some(end) if rest[end..].starts_with('{') => found.extend(items(&tree)),
-            Some(end) => _ = found.insert(rest[..end].to_owned()),
-            None => _ = found.insert(rest.to_owned()),
-        }
-    }
-    found
-}
-
-/// Paths of the items of a tree of `use` without its first part, such as `a::{self, b::{C, D}}`.
-fn items(tree: &str) -> Vec<String> {
-    let Some((path, group)) = tree.split_once('{') else {
-        let item = tree.split(" as ").next().unwrap_or_default().trim();
-        return if item.is_empty() { Vec::new() } else { vec![item.to_owned()] };
-    };
-    let (mut depth, mut parts) = (0, vec![String::new()]);
-    for c in group.trim_end().trim_end_matches('}').chars() {
-        match c {
-            '{' => depth += 1,
-            '}' => depth -= 1,
-            _ => (),
-        }
-        match c {
-            ',' if depth == 0 => parts.push(String::new()),
-            c => parts.last_mut().expect("one part").push(c),
-        }
-    }
-    // The closing brace of an inner group may be the last of the tree.
-    let closed = |part: &String| {
-        let missing = part.matches('{').count() - part.matches('}').count();
-        part.trim().to_owned() + &"}".repeat(missing)
-    };
-    let inner = parts.iter().map(closed).flat_map(|part| items(&part));
-    let path = path.trim();
-    inner
-        .map(|item| match item.as_str() {
-            "self" => path.trim_end_matches("::").to_owned(),
-            item => format!("{path}{item}"),
-        })
-        .collect()
+    let paths = paths_after(code, "signorini_mathematics::").into_iter();
+    // A group may name its own path, and what is behind a path is no name.
+    paths.map(|path| path.join("::").trim_end_matches("::self").to_owned()).collect()
 }
 
 #[test]

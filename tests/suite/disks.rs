@@ -4,23 +4,6 @@ use crate::common::{EVERYTHING, Project, Said, TABLE, assert_same, promised, ski
 use std::fs;
 use std::process::Command;
 
-#[test]
-fn a_cache_that_cannot_be_written_is_one_clear_line() {
-    let project = Project::with(TABLE);
-    project.write("file", "I am no folder");
-    let said = project.run(&["run", "--cache-dir", "file"]);
-    assert!(said.refusal().contains("file is not a folder; move it away"), "{said:?}");
-    let said = project.run(&["run", "--cache-dir", "file/below"]);
-    assert!(
-        said.refusal().contains("choose another place (for the cache with --cache-dir)"),
-        "{said:?}"
-    );
-    let said = project.run(&["run", "--cache-dir", "/proc/signorini"]);
-    assert!(said.refusal().contains("cannot create /proc/signorini"), "{said:?}");
-    assert_eq!(fs::read(project.path("file")).unwrap(), b"I am no folder");
-    assert!(!project.path("pipeline/lock.toml").exists());
-}
-
 /// Runs a script as root of a mount namespace of its own; `None`, with the reason, where that is not allowed.
 fn with_mounts(project: &Project, script: &str) -> Option<std::process::Output> {
     let mut probe = Command::new("unshare");

@@ -1,9 +1,13 @@
 //! Solvers of optimal cost, multigrid on the square and multilevel iteration on the mesh of the cube: agreement with
 //! the direct method, claims, scaling and refusals.
 
-use crate::hard_loads::{self, with_deficit};
+use crate::common::config;
+use crate::hard_loads::{self, nodal_load, with_deficit};
 use crate::multigrid::{exact_loads, natural_residual};
 use crate::solvers::{assert_threads_do_not_matter, distance};
+use proptest::prelude::*;
+use proptest::sample::select;
+use proptest::test_runner::TestCaseError;
 use signorini_mathematics::discrete::end::End;
 use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::law_and_load::LawAndLoad;
@@ -319,4 +323,48 @@ fn refuses_impossible_loads(domain: &impl Domain) {
 fn impossible_loads_are_refused() {
     refuses_impossible_loads(&SquareGrid(8));
     refuses_impossible_loads(&CubeMesh::new(1, 3));
+}
+
+/// Waves of these amplitudes and noise at a point.
+pub(crate) fn rough(amplitudes: &[f64], roughness: f64, [x, y, z]: [f64; 3]) -> f64 {
+    let wave = |(k, a): (usize, &f64)| {
+        let (x, y) = ((k / 4 + 1) as f64 * 2.0 * x + k as f64, (k % 4) as f64 * 2.5 * y);
+        a * x.sin() * (y + 0.3).cos() * (2.0 * z + k as f64).cos()
+    };
+    let smooth: f64 = amplitudes.iter().enumerate().map(wave).sum();
+    smooth + roughness * ((x * 517.3 + y * 917.7 + z * 311.9).sin() * 4317.5).fract()
+}
+
+/// Multigrid ends at the rounding floor, as near to the direct method as this multiple of it.
+fn is_solved(domain: &impl Domain, load: &[f64], multiple: f64) -> Result<(), TestCaseError> {
+    let (y, outcome) = run(domain, load, Goal::RoundingFloor);
+    prop_assert_eq!(outcome.stop, Stop::RoundingFloor);
+    let oracle = domain.direct(load).expect("valid");
+    // Twice what the solver asks for: the check adds in another order.
+    let level = 2.0 * domain.rounding_level(&oracle);
+    prop_assert!(domain.natural_residual(&y, load) <= level, "{outcome:?}");
+    prop_assert!(domain.natural_residual(&oracle, load) <= level);
+    let apart = distance(&y, &oracle);
+    prop_assert!(apart <= multiple * level, "{}", apart / level);
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(config(56))]
+
+    /// Random loads, from smooth to rough, with any negative sum.
+    #[test]
+    fn random_problems_are_solved(
+        (log_n, odd) in (1_u32..6, select(vec![1_usize, 3])),
+        (coarsest, times) in select(vec![(1, 1), (1, 2), (3, 1), (1, 3)]),
+        amplitudes in prop::collection::vec(-1.0..1.0_f64, 12),
+        roughness in 0.0..1.0_f64,
+        deficit_exponent in -8.0..-0.3_f64,
+    ) {
+        let (n, deficit) = (odd << log_n, Some(10_f64.powf(deficit_exponent)));
+        let f = |point| rough(&amplitudes, roughness, point);
+        is_solved(&SquareGrid(n), &nodal_load(n, deficit, |x, y| f([x, y, 0.0])), 1e4)?;
+        let cube = CubeMesh::new(coarsest, times);
+        is_solved(&cube, &cube.nodal_load(deficit, f), 1e6)?;
+    }
 }

@@ -6,10 +6,10 @@
 
 mod beside;
 
-use crate::common::{Dice, PAPER, Project, Said};
+use crate::common::{Dice, PAPER, Project, Said, mesh_path};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::Path;
+use std::sync::LazyLock;
 
 /// Edits of one study, after which another one begins.
 const EDITS_OF_A_STUDY: usize = 20;
@@ -32,112 +32,27 @@ pub(crate) enum Kind {
 
 use Kind::{Mesh, Method, Plain, Varied};
 
+impl Kind {
+    fn named(name: &str) -> Self {
+        match name {
+            "method" => Method,
+            "plain" => Plain,
+            "mesh" => Mesh,
+            _ => Varied,
+        }
+    }
+}
+
 /// Keys of scenes of some kinds, with values of each.
-pub(crate) const KEYS: [(&[Kind], &str, &[&str]); 28] = [
-    (&[Method, Plain, Mesh, Varied], "title", &["\"One\"", "\"Two\"", "\"Drei\""]),
-    (
-        &[Method, Plain, Mesh],
-        "f",
-        &[
-            "\"else=-1\"",
-            "\"else=-2\"",
-            "\"quadrant(ll)=3; else=-1.1\"",
-            "\"rect(-1,0,-1,0)=-6; else=1.5\"",
-        ],
-    ),
-    (&[Method], "solver", &["\"arrow-hurwicz\"", "\"uzawa\""]),
-    (&[Plain], "solver", &["\"multigrid\"", "\"active-set\"", "\"spectral\""]),
-    (&[Mesh], "solver", &["\"multigrid\"", "\"arrow-hurwicz\""]),
-    (&[Method, Plain], "grids", &["[4]", "[8]", "[4, 8]"]),
-    (&[Method], "r", &["[10]", "[10, 1]", "[1, 10]", "[10, 5, 1]", "[5, 1, 10]"]),
-    (&[Method], "draw_r", &["10", "1"]),
-    (
-        &[Method],
-        "stop",
-        &[
-            "[\"signed\"]",
-            "[\"signed\", \"printed\"]",
-            "[\"printed\", \"signed\"]",
-            "[\"signed-dual\"]",
-        ],
-    ),
-    (&[Method], "prolongation", &["\"bilinear\"", "\"rising-diagonal\""]),
-    (&[Method], "max_iterations", &["3", "100000"]),
-    (&[Method], "paper_table", &["1"]),
-    (&[Method, Plain, Mesh], "law", &["{ limit = 1000 }", "{ limit = 0.5 }", "{ friction = 1.5 }"]),
-    (
-        &[Method, Plain],
-        "load",
-        &["{ rule = \"exact\" }", "{ rule = \"bilinear\" }", "{ rule = \"nodal\" }"],
-    ),
-    (
-        &[Mesh],
-        "domain",
-        &[
-            "{ name = \"meshes/one.msh\", refine = 2 }",
-            "{ name = \"lshape\", refine = 1 }",
-            "{ name = \"disc\", refine = 0 }",
-            "{ name = \"disc\", refine = 1, fixed = [\"rim\"] }",
-            "{ name = \"annulus\", refine = 0, free = [\"inner\"], curve = { outer = [0, 0, 0.5] } }",
-        ],
-    ),
-    (&[Mesh], "domain", &["\"square\"", "{ name = \"cube\", refine = 0 }"]),
-    (
-        &[Method, Plain, Mesh],
-        "outputs",
-        &[
-            "[\"table\"]",
-            "[\"surface\", \"table\"]",
-            "[\"table\", \"surface\"]",
-            "[\"source\", \"map\"]",
-            "[\"contact\"]",
-            "[\"contact\", \"table\", \"map\"]",
-        ],
-    ),
-    (
-        &[Method],
-        "outputs",
-        &["[\"history\"]", "[\"contact\", \"history\", \"surface\", \"table\"]"],
-    ),
-    (&[Plain, Mesh], "outputs", &["[]"]),
-    (
-        &[Varied],
-        "f",
-        &[
-            "\"disc(0,0,$R)=$b; else=-3\"",
-            "\"formula($R*x - $b^2 - 1)\"",
-            "\"halfplane($b,1,0)=-$R/2; else=-1\"",
-        ],
-    ),
-    (
-        &[Varied],
-        "vary",
-        &[
-            "{ R = [0.1, \"1/4\"], b = [1, -0.5] }",
-            "{ b = -2, R = [0.3] }",
-            "[{ R = 0.1, b = 1, h = 8 }, { h = [4, \"1/8\"], b = 2.5, R = \"2e-1\" }]",
-            "{ R = [0.1, 0.25], b = [1], solver = [\"multigrid\", \"active-set\"] }",
-            "{ R = 0.25, b = [0.5, 1], tolerance = [1e-3, 1e-6] }",
-            "{ R = [0.1, \"0.10\"], b = 1 }",
-            "{ R = 0.1, b = 1, friction = [4, 0.1] }",
-        ],
-    ),
-    (&[Varied], "outputs", &["[\"table\"]", "[\"chart\"]", "[\"chart\", \"table\"]"]),
-    (
-        &[Varied],
-        "chart",
-        &["{ x = \"R\", y = \"force\" }", "{ x = \"1/b\" }", "{ x = \"h\", log = [\"x\"] }"],
-    ),
-    (&[Varied], "columns", &["[\"R\", \"energy\"]", "[\"force\", \"error_relative\", \"b\"]"]),
-    (&[Varied], "h", &["8", "\"1/4\"", "0.125"]),
-    (&[Varied], "law", &["{ limit = 1000 }", "{ friction = 1.5 }"]),
-    (&[Varied], "solver", &["\"multigrid\"", "\"active-set\""]),
-    (
-        &[Varied],
-        "domain",
-        &["{ name = \"disc\", refine = 1 }", "{ name = \"meshes/one.msh\", refine = 1 }"],
-    ),
-];
+pub(crate) static KEYS: LazyLock<Vec<(Vec<Kind>, &str, Vec<&str>)>> = LazyLock::new(|| {
+    let lines = include_str!("edits/keys.txt").lines().filter(|line| !line.starts_with('#'));
+    let keys = lines.map(|line| {
+        let mut parts = line.split(" ¦ ");
+        let kinds = parts.next().expect("kinds").split(',').map(Kind::named);
+        (kinds.collect(), parts.next().expect("a key"), parts.collect())
+    });
+    keys.collect()
+});
 
 /// Kind of a scene.
 pub(crate) fn kind(text: &str) -> Kind {
@@ -156,7 +71,6 @@ const PAGES: &str = "report/templates";
 
 /// A study with a scene by the paper's method, one by multigrid, and one on a mesh.
 pub(crate) fn study() -> Files {
-    let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes/square.msh");
     let method = "title = \"One\"\nf = \"quadrant(ll)=3; else=-1.1\"\nsolver = \"arrow-hurwicz\"\ngrids = [4, 8]\n\
         r = [10, 1]\nstop = [\"signed\", \"printed\"]\noutputs = [\"table\", \"surface\", \"contact\", \"history\"]\n";
     let plain =
@@ -170,7 +84,7 @@ pub(crate) fn study() -> Files {
         ("pipeline/scenes/b.toml", plain.into()),
         ("pipeline/scenes/c.toml", on_mesh.into()),
         ("pipeline/scenes/v.toml", varied.into()),
-        ("pipeline/meshes/one.msh", fs::read_to_string(mesh).unwrap()),
+        ("pipeline/meshes/one.msh", fs::read_to_string(mesh_path("square")).unwrap()),
         ("pipeline/paper.toml", PAPER.into()),
     ];
     files.map(|(path, text)| (path.to_owned(), text)).into()
@@ -200,9 +114,8 @@ fn below(files: &Files, folder: &str) -> Vec<String> {
 fn edit_scene(dice: &mut Dice, text: &str) -> String {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     let (kind, any) = (kind(text), dice.below(12) == 0);
-    let mut known = KEYS.to_vec();
-    known.retain(|(kinds, ..)| any || kinds.contains(&kind));
-    let (_, key, values) = one_of(dice, &known);
+    let known: Vec<_> = KEYS.iter().filter(|(kinds, ..)| any || kinds.contains(&kind)).collect();
+    let (_, key, values) = *one_of(dice, &known);
     let at = lines.iter().position(|line| line.starts_with(&format!("{key} = ")));
     match (dice.below(12), at) {
         (0, _) => lines.rotate_left(1),

@@ -1,16 +1,10 @@
 //! Energies and their guaranteed brackets, as `solve` and scenes give them.
 
-use crate::common::{Dice, Project, TABLE};
+use crate::common::{Dice, Project, TABLE, bracket, gmsh_file, mesh_path, number};
 use serde_json::{Value, json};
-use std::fs;
-
-/// Numbers of a bracket.
-fn bracket(json: &Value) -> [f64; 2] {
-    [0, 1].map(|k| json["bound"]["energy"][k].as_f64().unwrap_or_else(|| panic!("{json}")))
-}
 
 fn energy(json: &Value) -> f64 {
-    json["energy"].as_f64().unwrap_or_else(|| panic!("{json}"))
+    number(&json["energy"])
 }
 
 /// f on a box around a point of every domain, with an integral that is little below zero.
@@ -33,9 +27,8 @@ fn the_energy_that_is_printed_has_the_accuracy_that_was_asked_for() {
     }
     for (case, (domain, f)) in cases.iter().enumerate() {
         let solve = |wanted: f64| {
-            let wanted = wanted.to_string();
-            let command = ["solve", "--domain", domain, "--f", f, "--accuracy-energy", &wanted];
-            (project.run(&[&command[..], &["--json"]].concat()).json(), project.run(&command))
+            let line = format!("--domain {domain} --f '{f}' --accuracy-energy {wanted}");
+            (project.answer(&line), project.line(&format!("solve {line}")))
         };
         let wanted = if case % 2 == 0 { 1e-2 } else { 3e-3 };
         let [(found, said), (finer, _)] = [wanted, 0.1 * wanted].map(solve);
@@ -57,29 +50,26 @@ fn the_energy_that_is_printed_has_the_accuracy_that_was_asked_for() {
 #[test]
 fn an_exact_load_has_its_energy_for_the_upper_end() {
     let project = Project::with(TABLE);
-    let lshape = "disc(-0.36,0.69,0.02)=-1410; else=-0.991";
-    let ball = "ball(0.31,0.27,0.2,0.03)=-20000; else=-0.5";
-    let gear = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/meshes/gear.msh");
-    let cases: [(&str, &str, &[&str], [&str; 2]); 6] = [
-        ("lshape", lshape, &[], ["4", "6"]),
-        ("lshape", lshape, &["--friction", "3"], ["3", "5"]),
-        ("ball", ball, &[], ["2", "3"]),
-        ("ball", ball, &["--friction", "4"], ["2", "3"]),
-        ("disc", "disc(0.3,0.2,0.07)=90; else=-1", &["--limit", "3"], ["2", "4"]),
-        (gear, "disc(0.1,0.7,0.01)=300; halfplane(1,0,0)=-1; else=-2", &[], ["0", "1"]),
-    ];
-    for (domain, f, law, times) in cases {
-        let [coarse, fine] = times.map(|times| {
-            let command = ["solve", "--domain", domain, "--f", f, "--refine", times, "--json"];
-            project.run(&[&command[..], law].concat()).json()
-        });
+    let lshape = "lshape --f 'disc(-0.36,0.69,0.02)=-1410; else=-0.991'";
+    let ball = "ball --f 'ball(0.31,0.27,0.2,0.03)=-20000; else=-0.5'";
+    let gear = mesh_path("gear");
+    for (problem, law, times) in [
+        (lshape, "", [4, 6]),
+        (lshape, "--friction 3", [3, 5]),
+        (ball, "", [2, 3]),
+        (ball, "--friction 4", [2, 3]),
+        ("disc --f 'disc(0.3,0.2,0.07)=90; else=-1'", "--limit 3", [2, 4]),
+        (&format!("{gear} --f 'disc(0.1,0.7,0.01)=300; halfplane(1,0,0)=-1; else=-2'"), "", [0, 1]),
+    ] {
+        let [coarse, fine] = times
+            .map(|times| project.answer(&format!("--domain {problem} {law} --refine {times}")));
         for json in [&coarse, &fine] {
             let ([low, high], energy) = (bracket(json), energy(json));
             let rounding = 1e-9 * energy.abs();
-            assert!(low < high && (high - energy).abs() <= rounding, "{domain} {law:?}: {json}");
+            assert!(low < high && (high - energy).abs() <= rounding, "{problem} {law}: {json}");
         }
         // Polygons of a curved domain have energies of their own.
-        if domain == "lshape" {
+        if problem == lshape {
             let [[low, high], [finer_low, finer_high]] = [&coarse, &fine].map(bracket);
             assert!(low <= finer_high && finer_low <= high, "{coarse} {fine}");
         }
@@ -89,27 +79,22 @@ fn an_exact_load_has_its_energy_for_the_upper_end() {
 #[test]
 fn where_f_is_zero_the_answer_is_exact() {
     let project = Project::with(TABLE);
-    let hole = "rect(-0.2,0.2,-0.2,0.2)=1e-30; else=0";
-    let cases: [&[&str]; 8] = [
-        &["--domain", "lshape", "--f", "else=0", "--friction", "1", "--accuracy", "0.1"],
-        &["--domain", "annulus", "--f", "else=0", "--fixed", "inner", "--accuracy-energy", "0.1"],
-        &["--domain", "disc", "--f", "formula(0*x)", "--friction", "1", "--accuracy", "0.1"],
-        &["--domain", "ball", "--f", "else=0", "--friction", "1"],
-        &["--domain", "annulus", "--f", hole, "--fixed", "inner"],
-        &["--f", "else=0", "--friction", "1"],
-        &["--f", "else=0", "--friction", "2", "--accuracy", "0.01"],
-        &["--f", "disc(3,3,0.5)=7; else=0", "--friction", "1", "--accuracy-energy", "0.01"],
-    ];
-    for args in cases {
-        let said = project.run(&[&["solve", "--json"], args].concat());
-        assert_eq!(said.code, Some(0), "{args:?}: {said:?}");
-        let json = said.json();
+    for line in [
+        "--domain lshape --f else=0 --friction 1 --accuracy 0.1",
+        "--domain annulus --f else=0 --fixed inner --accuracy-energy 0.1",
+        "--domain disc --f 'formula(0*x)' --friction 1 --accuracy 0.1",
+        "--domain ball --f else=0 --friction 1",
+        "--domain annulus --f 'rect(-0.2,0.2,-0.2,0.2)=1e-30; else=0' --fixed inner",
+        "--f else=0 --friction 1",
+        "--f else=0 --friction 2 --accuracy 0.01",
+        "--f 'disc(3,3,0.5)=7; else=0' --friction 1 --accuracy-energy 0.01",
+    ] {
+        let json = project.answer(line);
         assert_eq!([bracket(&json), [energy(&json); 2]], [[0.0; 2]; 2], "{json}");
         let relative = &json["bound"]["relative"];
         assert_eq!(relative, &json!({ "energy": 0.0, "error": 0.0 }), "{json}");
-        let is_outside = args.contains(&"disc(3,3,0.5)=7; else=0");
         let warnings = json["warnings"].as_array().unwrap().len();
-        assert_eq!(warnings, usize::from(is_outside), "{json}");
+        assert_eq!(warnings, usize::from(line.contains("disc(3")), "{json}");
         if json["adapted"].is_object() {
             assert_eq!(json["adapted"]["end"], "goal");
         }
@@ -120,26 +105,26 @@ fn where_f_is_zero_the_answer_is_exact() {
 fn brackets_of_an_f_that_the_points_miss_are_left_out() {
     let project = Project::with(TABLE);
     let f = "formula(-1+2.5e3*exp(-1e4*((x-0.1)^2+(y-0.13)^2)))";
-    let on_grid = |h: &str| project.run(&["solve", "--f", f, "--h", h, "--json"]).json();
-    let coarse = on_grid("1/8");
+    let on_grid = |how: &str| project.answer(&format!("--f '{f}' {how}"));
+    let coarse = on_grid("--h 1/8");
     assert_eq!(coarse["bound"], Value::Null, "{coarse}");
     let reason = coarse["bound_reason"].as_str().unwrap();
     assert!(reason.starts_with("the points at which f is sampled miss "), "{reason}");
     // Other voices say it as well.
     let sentence = Value::from(format!("no bound of the error: {reason}"));
-    let row = project.run(&["solve", "--f", f, "--vary", "h=1/8", "--json"]).json();
+    let row = on_grid("--vary h=1/8");
     assert!(row["energy_lower"].is_null(), "{row}");
     for said in [&coarse, &row] {
         assert!(said["warnings"].as_array().unwrap().contains(&sentence), "{said}");
     }
     project.scene("m", &format!("title = \"t\"\nf = \"{f}\"\nh = 8\noutputs = [\"table\"]\n"));
     project.run(&["run", "m"]);
-    let table = fs::read_to_string(project.path("report/tables/m.tex")).unwrap();
+    let table = project.read("report/tables/m.tex");
     assert!(table.contains(sentence.as_str().unwrap()), "{table}");
-    let fine = on_grid("1/128");
+    let fine = on_grid("--h 1/128");
     let [low, high] = bracket(&fine);
     // An accuracy goes on to a grid whose points miss nothing.
-    let json = project.run(&["solve", "--f", f, "--accuracy", "0.2", "--json"]).json();
+    let json = on_grid("--accuracy 0.2");
     let [other_low, other_high] = bracket(&json);
     assert!(low <= other_high && other_low <= high, "{fine} {json}");
 }
@@ -147,7 +132,8 @@ fn brackets_of_an_f_that_the_points_miss_are_left_out() {
 #[test]
 fn integrals_beyond_the_range_are_refused_with_their_number() {
     let project = Project::with(TABLE);
-    project.write("large.msh", square_of(1e30));
+    let square = "1 0 0 0\n2 1e30 0 0\n3 1e30 1e30 0\n4 0 1e30 0";
+    project.write("large.msh", gmsh_file(square, "1 2 2 1 1 1 2 3\n2 2 2 1 1 1 3 4"));
     for (f, words) in [
         ("else=-1e100", "the integral of |f| is 1.00000000000"),
         ("else=-1e131", "the largest value of |f| is 1e131"),
@@ -156,16 +142,7 @@ fn integrals_beyond_the_range_are_refused_with_their_number() {
         let said = project.run(&["solve", "--domain", "large.msh", "--f", f]);
         assert!(said.refusal().contains(words), "{said:?}");
     }
-    let said = project.run(&["solve", "--domain", "large.msh", "--f", "else=-1e69", "--json"]);
-    assert!(energy(&said.json()).is_finite(), "{said:?}");
-}
-
-/// A mesh of two triangles of a square with this side.
-fn square_of(side: f64) -> String {
-    format!(
-        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 {side} 0 0\n3 {side} {side} 0\n\
-         4 0 {side} 0\n$EndNodes\n$Elements\n2\n1 2 2 1 1 1 2 3\n2 2 2 1 1 1 3 4\n$EndElements\n"
-    )
+    assert!(energy(&project.answer("--domain large.msh --f else=-1e69")).is_finite());
 }
 
 #[test]
@@ -177,8 +154,7 @@ fn uzawa_ends_at_every_scale() {
             "rect(-0.2,0.35,-0.3,0.1)=1.1{scale}; disc(-0.25,0.2,0.12)=-0.7{scale}; else=-0.41{scale}"
         );
         for solver in ["uzawa", "uzawa-loose", "uzawa-proximal"] {
-            let command = ["solve", "--h", "1/16", "--f", &f, "--solver", solver, "--json"];
-            let json = project.run(&command).json();
+            let json = project.answer(&format!("--h 1/16 --f '{f}' --solver {solver}"));
             assert_eq!(json["stop"], "converged", "{scale}: {json}");
             sweeps.push(json["sweeps"].as_u64().unwrap());
         }

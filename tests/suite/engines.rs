@@ -1,6 +1,6 @@
 //! The tasks run by engines of others, and by several processes on one cache: each once, to the same bytes.
 
-use crate::common::{EVERYTHING, Project, Said, TABLE, assert_same, skip, wanting};
+use crate::common::{EVERYTHING, Project, TABLE, assert_same, skip, wanting};
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -40,6 +40,17 @@ fn made_at_once(project: fn() -> Project) -> BTreeMap<String, Vec<u8>> {
     reference.made()
 }
 
+#[test]
+fn results_do_not_depend_on_threads_or_place() {
+    let made = made_at_once(small);
+    assert!(made.len() > 20, "there is something to compare: {}", made.len());
+    for jobs in ["1", "5"] {
+        let elsewhere = small();
+        elsewhere.run(&["run", "-j", jobs]).lines();
+        assert_same(&elsewhere.made(), &made);
+    }
+}
+
 /// After the engine: nothing is left to run, and what is written then is as after one run.
 #[track_caller]
 fn assert_done(project: &Project, wanted: &BTreeMap<String, Vec<u8>>) {
@@ -62,19 +73,6 @@ fn single_tasks_make_what_a_run_makes() {
 }
 
 #[test]
-fn a_task_whose_needs_are_missing_is_refused_with_the_command_that_helps() {
-    let project = small();
-    let said = project.run(&["run", "--task", "tabulate/b"]);
-    let refusal = said.refusal();
-    assert!(refusal.contains("is needed and not up to date (first run)"), "{refusal}");
-    let (_, command) = refusal.split_once("first `signorini ").unwrap();
-    let args: Vec<&str> = command.trim_end_matches('`').split(' ').collect();
-    assert_eq!(project.run(&args).code, Some(0), "{args:?}");
-    let said = project.run(&["run", "--task", "solve/nowhere"]);
-    assert!(said.refusal().contains("`signorini dag` lists them"), "{said:?}");
-}
-
-#[test]
 fn processes_at_work_on_one_cache_do_each_task_once() {
     let project = small();
     let ids = tasks(&project);
@@ -87,7 +85,7 @@ fn processes_at_work_on_one_cache_do_each_task_once() {
     let children: Vec<_> = (0..6).map(|_| start()).collect();
     let mut ran: Vec<String> = Vec::new();
     for child in children {
-        let said: crate::common::Said = child.wait_with_output().unwrap().into();
+        let said = crate::common::Said::from(child.wait_with_output().unwrap());
         ran.extend(said.ran().into_iter().map(str::to_owned));
     }
     ran.sort();
@@ -142,7 +140,7 @@ fn a_killed_process_loses_its_task_alone() {
     assert_eq!(project.stale(), [long, "tabulate/a"]);
     // Its lock has died with it.
     project.run(&["gc"]).lines();
-    let text = fs::read_to_string(project.path("pipeline/scenes/a.toml")).unwrap();
+    let text = project.read("pipeline/scenes/a.toml");
     project.scene("a", &text.replace("100000000", "100"));
     assert_eq!(project.run(&["run", "-v", "--task", long]).ran(), [long]);
 }
@@ -176,7 +174,7 @@ fn noted(project: &Project, file: &str, name: &str) -> String {
     let path = project.path(name);
     #[cfg(unix)]
     fs::set_permissions(&path, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
-    let text = fs::read_to_string(project.path(file)).unwrap();
+    let text = project.read(file);
     project.write(file, text.replace(program, &path.to_string_lossy()));
     path.to_string_lossy().into_owned()
 }
@@ -243,37 +241,6 @@ fn snakemake_runs_a_program_and_a_project_in_folders_with_special_names() {
     }
     let args = ["--cores", "1", "--quiet", "all", "--snakefile", "workflow"];
     runs_in_special_folders("--snakemake", "snakemake", &args);
-}
-
-#[test]
-fn names_that_engines_cannot_take_are_refused() {
-    let project = small();
-    for cache in ["a{b", "a}b"] {
-        let said = project.run(&["dag", "--snakemake", "--cache-dir", cache]);
-        assert!(said.refusal().contains("give another with --cache-dir"), "{said:?}");
-    }
-    fs::create_dir(project.path("sub")).unwrap();
-    // A folder is meant as seen from where the command is given.
-    let mut below = project.command(&["dag", "--json", "--cache-dir", ".signorini"]);
-    let json = Said::from(below.current_dir(project.path("sub")).output().unwrap()).json();
-    let stamp = json["tasks"][0]["stamp"].as_str().unwrap();
-    assert!(stamp.contains("/sub/.signorini/"), "{stamp}");
-}
-
-#[test]
-fn a_task_of_one_scene_reads_no_other() {
-    let project = small();
-    let ids = tasks(&project);
-    project.scene("b", "this is no scene");
-    project.write("pipeline/paper.toml", "nor a paper");
-    project.write("report/templates/one.md", [0xff]);
-    for id in ids.iter().filter(|id| id.contains("/a")) {
-        assert_eq!(project.run(&["run", "-v", "--task", id]).ran(), [id.as_str()]);
-    }
-    // What shows all scenes needs them all.
-    for id in ["solve/b/signed/r=1", "diff/results", "report/book"] {
-        assert!(project.run(&["run", "--task", id]).refusal().contains("scene `b`"), "{id}");
-    }
 }
 
 #[test]

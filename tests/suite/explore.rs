@@ -4,8 +4,9 @@
 mod controls;
 mod pictures;
 
-use crate::common::{browser, copy, dom, skip, unescaped};
-use crate::grammar::{SCRIPT, run_script};
+use crate::browser::{browser, dom, run_script, unescaped};
+use crate::common::{copy, skip};
+use crate::grammar::SCRIPT;
 use serde_json::Value;
 use signorini::pipeline::hash;
 use signorini::replication::scene::Scene;

@@ -1,8 +1,6 @@
 //! Faults: whatever breaks, a run ends with the right result or one clear line, and the next run repairs.
 
-use crate::common::{
-    Dice, EVERYTHING, PAPER, Project, Said, TABLE, assert_same, promised, wanting,
-};
+use crate::common::{Dice, EVERYTHING, Project, Said, TABLE, assert_same, promised, wanting};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::PathBuf;
@@ -75,7 +73,7 @@ fn a_record_edited_by_hand_removes_no_input_and_nothing_elsewhere() {
     let lock = "study/pipeline/lock.toml";
     place.write("study/notes.txt", "mine");
     place.write("study/figures/old.svg", "made once");
-    let mut text = fs::read_to_string(place.path(lock)).unwrap();
+    let mut text = place.read(lock);
     let kept = [
         "notes.txt",
         "pipeline/scenes/plate.toml",
@@ -93,37 +91,6 @@ fn a_record_edited_by_hand_removes_no_input_and_nothing_elsewhere() {
     for path in kept {
         assert!(place.path(&format!("study/{path}")).exists(), "{path}");
     }
-}
-
-#[test]
-fn a_project_without_a_problem_or_with_a_third_table_runs_and_its_book_says_what_is_left_out() {
-    let project = Project::with(&(wanting(EVERYTHING) + "paper_table = 1\n"));
-    project.write("report/book.toml", "title = \"Short\"\n");
-    fs::create_dir(project.path("report/templates")).unwrap();
-    project.write("report/templates/SUMMARY.md", "- [What came out](verdict.md)\n");
-    project.write("report/templates/verdict.md.tera", "# What came out\n{{ problems[1].title }}\n");
-    let reason = "they need two scenes, one with `paper_table = 1` and one with 2";
-    let said = project.run(&["run"]);
-    assert!(
-        said.lines().contains(&"the book: report/book/index.html") && said.out.contains(reason)
-    );
-    let page = fs::read_to_string(project.path("report/book/verdict.html")).unwrap();
-    assert!(page.contains("Left out") && page.contains("What came out"), "{page}");
-    // A third published table is compared like the others; the chapters are about the first two.
-    project.write(
-        "pipeline/paper.toml",
-        PAPER.to_owned() + &PAPER[PAPER.find("[[").unwrap()..].replace("number = 1", "number = 3"),
-    );
-    project.scene("c", &(wanting(EVERYTHING) + "paper_table = 3\n"));
-    assert!(project.run(&["run"]).lines().contains(&"the book: report/book/index.html"));
-    let tables = project.run(&["diff", "--json"]).json();
-    let numbers: Vec<_> =
-        tables["tables"].as_array().unwrap().iter().map(|t| &t["table"]).collect();
-    assert_eq!(numbers, [1, 3]);
-    assert!(
-        project.path("figures/c-surface.svg").exists()
-            && project.path("figures/figure2.svg").exists()
-    );
 }
 
 #[test]
@@ -229,7 +196,7 @@ fn what_goes_with_an_output_that_the_chapters_show_is_named() {
     fs::remove_file(project.path("pipeline/timings.toml")).unwrap();
     assert!(dry_run().ends_with(": they show recorded times; restore pipeline/timings.toml"));
     project.write("pipeline/timings.toml", times);
-    let scene = fs::read_to_string(project.path("pipeline/scenes/problem1.toml")).unwrap();
+    let scene = project.read("pipeline/scenes/problem1.toml");
     let without = scene.replace("\"history\", ", "");
     assert_ne!(without, scene);
     project.scene("problem1", &without);

@@ -1,6 +1,5 @@
-//! f by formulas: loads against closed forms and known solutions, and what refuses a formula.
+//! f by formulas: loads against closed forms and known solutions.
 
-use crate::common::{EVERYTHING, Project, TABLE};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
 use signorini_mathematics::mesh::{mesh_load, uniform_cube};
@@ -67,33 +66,4 @@ fn formulas_have_the_loads_of_known_solutions_and_constants() {
         let error = apart(&one.load, &same.load);
         assert!(error < 1e-15, "{error:e}");
     }
-}
-
-#[test]
-fn formulas_are_solved_on_every_domain_or_refused_in_one_line() {
-    let gear = format!("{}/tests/meshes/gear.msh", env!("CARGO_MANIFEST_DIR"));
-    let project = Project::with(TABLE);
-    for args in [
-        &["--f", "formula(3*x*y - 1.1)", "--h", "1/16"][..],
-        &["--domain", "cube", "--f", "formula(x*y*z - 1)", "--refine", "2"],
-        &["--domain", "disc", "--f", "formula(4*x - 1)", "--refine", "3"],
-        &["--domain", "ball", "--f", "formula(z - 1)", "--refine", "1"],
-        &["--domain", &gear, "--f", "region(gear)=formula(x - 1)", "--refine", "1"],
-    ] {
-        let said = project.run(&[&["solve"], args].concat());
-        assert!(said.lines()[0].contains("formula("), "{said:?}");
-    }
-}
-
-#[test]
-fn a_scene_has_a_formula() {
-    let scene = TABLE.replace("else=-1", "formula(3*x*y-1.1)");
-    let project = Project::with(&scene.replace("[\"table\"]", EVERYTHING));
-    assert_eq!(project.run(&["run"]).code, Some(0));
-    assert!(project.path("figures/a-source.svg").is_file());
-    let said = project.run(&["solve", "a", "--solver", "multigrid"]);
-    assert!(
-        said.lines()[0].starts_with("a: f = formula(3*x*y - 1.1), integral -1.100"),
-        "{said:?}"
-    );
 }

@@ -1,15 +1,13 @@
 //! f as the page with the live iteration reads it: what the program takes and what it refuses, and the same loads.
 
-use crate::common::{browser, dom, skip, unescaped};
+use crate::browser::run_script;
 use serde_json::{Value, json};
 use signorini::replication::scene::Scene;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::problem::source::Source;
 use std::fmt::Write;
-use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 const TEXTS: &str = include_str!("grammar.txt");
 /// The script that reads f.
@@ -64,32 +62,6 @@ fn by_page() -> Option<Vec<Value>> {
     let data = format!("const texts = {}, grids = {};\n", json!(all), json!(GRIDS));
     let answer = run_script(&format!("{SCRIPT}{data}{READ_ALL}"))?;
     Some(serde_json::from_str(&answer).unwrap())
-}
-
-/// The text that a script calls `answer`; nothing without a browser and without node.
-pub(crate) fn run_script(script: &str) -> Option<String> {
-    let Some(browser) = browser() else {
-        return by_node(&format!("{script}console.log(answer);"));
-    };
-    let folder = tempfile::tempdir().unwrap();
-    let page = folder.path().join("page.html");
-    let script = format!("{script}document.body.dataset.answer = answer;");
-    fs::write(&page, format!("<meta charset=utf-8><body><script>{script}</script>")).unwrap();
-    let dom = dom(&browser, &page, "", 60_000);
-    let text = dom.split("data-answer=\"").nth(1).unwrap_or_else(|| panic!("{dom}"));
-    Some(unescaped(text.split('"').next().unwrap()))
-}
-
-fn by_node(script: &str) -> Option<String> {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("script.js");
-    fs::write(&file, script).unwrap();
-    let Ok(output) = Command::new("node").arg(&file).output() else {
-        skip("neither chromium nor node; nobody has read f as the page does");
-        return None;
-    };
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    Some(String::from_utf8(output.stdout).unwrap())
 }
 
 #[test]

@@ -80,7 +80,7 @@ fn two_scenes_that_differ_in_a_key_or_an_order_share_no_task_that_differs() {
     for base in &bases {
         let kind = kind(base);
         for (_, key, values) in KEYS.iter().filter(|(kinds, ..)| kinds.contains(&kind)) {
-            for value in *values {
+            for value in values {
                 let others = base.lines().filter(|line| !line.starts_with(&format!("{key} = ")));
                 let scene = others.fold(String::new(), |text, line| text + line + "\n");
                 let scene = format!("{scene}{key} = {value}\n");

@@ -1,8 +1,10 @@
 //! Random scenes and command lines: an answer or a refusal with a documented exit code, soon.
+//!
+//! `SIGNORINI_CASES` is the number of commands, 60 without it; `SIGNORINI_SEED` is the seed.
 
 use crate::common::{Dice, PAPER, Project, Said};
+use crate::edits::number;
 use std::process::{Command, Stdio};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Seconds after which a command counts as hung, on a machine that may be busy.
 const LONGEST: &str = "60";
@@ -12,6 +14,11 @@ struct Chooser {
     dice: Dice,
     /// Of a hundred choices, how many may be wrong.
     wrong: u64,
+}
+
+/// The parts of a text between the marks.
+fn parts(text: &str) -> Vec<&str> {
+    text.split('¦').map(str::trim).collect()
 }
 
 /// The words of a text.
@@ -90,51 +97,28 @@ impl Chooser {
 
     fn scene(&mut self) -> String {
         let mut text = format!("title = \"t\"\nf = \"{}\"\n", self.source(false));
-        let grids = [
-            "[4, 8]",
-            "[4]",
-            "[2, 4, 8, 16]",
-            "[3, 6]",
-            "[5]",
-            "|",
-            "[]",
-            "[1]",
-            "[8, 4]",
-            "[16384]",
-            "[-4]",
-            "4",
-        ];
+        let grids = parts(
+            "[4, 8] ¦ [4] ¦ [2, 4, 8, 16] ¦ [3, 6] ¦ [5] ¦ | ¦ [] ¦ [1] ¦ [8, 4] ¦ [16384] ¦ [-4] ¦ 4",
+        );
         text += &format!("grids = {}\n", self.one(&grids));
         let solvers = words("arrow-hurwicz uzawa uzawa-proximal | multigrid spectral active-set x");
         text += &format!("solver = \"{}\"\n", self.one(&solvers));
-        let caps = ["1000", "7", "1", "|", "0", "-1", "1e3"];
+        let caps = parts("1000 ¦ 7 ¦ 1 ¦ | ¦ 0 ¦ -1 ¦ 1e3");
         text += &format!("max_iterations = {}\n", self.one(&caps));
-        let r = ["10, 1", "1e6", "10", "0.5", "|", "0.5, 0.5", "nan", "-1", "", "1e13"];
+        let r = parts("10, 1 ¦ 1e6 ¦ 10 ¦ 0.5 ¦ | ¦ 0.5, 0.5 ¦ nan ¦ -1 ¦  ¦ 1e13");
         text += &format!("r = [{}]\n", self.one(&r));
-        let stop = ["signed", "printed", "signed-dual", "printed-dual", "|", "never"];
+        let stop = parts("signed ¦ printed ¦ signed-dual ¦ printed-dual ¦ | ¦ never");
         text += &format!("stop = [\"{}\"]\n", self.one(&stop));
-        let loads = [
-            "{ rule = \"exact\" }",
-            "{ rule = \"nodal\", tie = \"upper-right\" }",
-            "|",
-            "{ rule = \"none\" }",
-            "3",
-        ];
+        let loads = parts(
+            "{ rule = \"exact\" } ¦ { rule = \"nodal\", tie = \"upper-right\" } ¦ | ¦ { rule = \"none\" } ¦ 3",
+        );
         text += &format!("load = {}\n", self.one(&loads));
         if self.chance(30) {
             text += &format!("paper_table = {}\n", self.one(&["1", "|", "2", "0", "300"]));
         }
-        let outputs = [
-            "\"table\"",
-            "\"table\", \"source\"",
-            "\"surface\", \"contact\"",
-            "\"history\"",
-            "",
-            "|",
-            "\"identify\"",
-            "\"none\"",
-            "3",
-        ];
+        let outputs = parts(
+            "\"table\" ¦ \"table\", \"source\" ¦ \"surface\", \"contact\" ¦ \"history\" ¦  ¦ | ¦ \"identify\" ¦ \"none\" ¦ 3",
+        );
         text + &format!("outputs = [{}]\n", self.one(&outputs))
     }
 
@@ -196,19 +180,9 @@ impl Chooser {
         if self.chance(50) {
             args.push("--json".into());
         }
-        let files = [
-            "v.npy",
-            "v.vti",
-            "vti",
-            "/dev/null",
-            "|",
-            "v.svg",
-            "no/v.npy",
-            "v.doc",
-            "",
-            ".",
-            "pipeline",
-        ];
+        let files = parts(
+            "v.npy ¦ v.vti ¦ vti ¦ /dev/null ¦ | ¦ v.svg ¦ no/v.npy ¦ v.doc ¦  ¦ . ¦ pipeline",
+        );
         self.maybe(&mut args, 40, "--out", &files);
         args
     }
@@ -258,7 +232,7 @@ fn hostile(cases: usize, seed: u64) {
         command.args(["-s", "KILL", LONGEST, env!("CARGO_BIN_EXE_signorini")]).args(&args);
         command.current_dir(project.path("")).stdin(Stdio::null());
         let said = Said::from(command.output().unwrap());
-        let scene = std::fs::read_to_string(project.path("pipeline/scenes/a.toml")).unwrap();
+        let scene = project.read("pipeline/scenes/a.toml");
         let why =
             |what: &str| format!("{what}; seed {seed}, case {case}: {args:?}\n{scene}\n{said:?}");
         match said.code {
@@ -276,14 +250,5 @@ fn hostile(cases: usize, seed: u64) {
 #[test]
 fn random_commands_are_answered_or_refused() {
     // The same ones every time: a failure is a failure for everyone.
-    hostile(60, 1);
-}
-
-#[test]
-#[ignore = "takes ten minutes; SIGNORINI_CASES says how many, SIGNORINI_SEED which"]
-fn many_random_commands_are_answered_or_refused() {
-    let asked = |name: &str| std::env::var(name).ok().and_then(|text| text.parse().ok());
-    let fresh = || SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_nanos() as u64 | 1;
-    let cases = asked("SIGNORINI_CASES").unwrap_or(20_000);
-    hostile(cases as usize, asked("SIGNORINI_SEED").unwrap_or_else(fresh));
+    hostile(number("SIGNORINI_CASES", 60) as usize, number("SIGNORINI_SEED", 1));
 }

@@ -1,5 +1,6 @@
 //! The search for Figure 1 against the literal iteration, and on planted right-hand sides.
 
+use crate::common::{config, this_project};
 use proptest::prelude::*;
 use signorini_mathematics::discrete::grid::nested;
 use signorini_mathematics::discrete::load::load;
@@ -11,29 +12,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const R: [f64; 5] = [1e6, 10.0, 5.0, 1.0, 0.5];
 
 fn published(problem: usize) -> Target {
-    let counts = [
-        [
-            [1, 2, 10, 50, 149],
-            [1, 2, 10, 41, 150],
-            [1, 2, 11, 31, 144],
-            [1, 2, 14, 54, 69],
-            [1, 3, 13, 109, 55],
-        ],
-        [
-            [3, 3, 7, 14, 34],
-            [3, 4, 7, 11, 23],
-            [3, 1, 16, 17, 32],
-            [3, 2, 2, 5, 16],
-            [4, 2, 3, 13, 36],
-        ],
-    ];
-    let delta_a =
-        [[1.6e-4, 1.8e-4, 1.6e-4, 1.2e-4, 3.5e-4], [3.5e-3, 2.2e-3, 2.9e-3, 5.8e-2, 4.2e-2]];
-    Target {
-        r: R.to_vec(),
-        counts: counts[problem - 1].iter().map(|row| row.to_vec()).collect(),
-        delta_a: delta_a[problem - 1].to_vec(),
-    }
+    let paper = this_project().paper;
+    let table = paper.table.into_iter().find(|table| usize::from(table.number) == problem).unwrap();
+    Target { r: paper.r, counts: table.counts, delta_a: table.delta_a }
 }
 
 /// The first columns of a table, which cost little.
@@ -91,7 +72,7 @@ fn run_on(threads: usize, values: &str, target: &Target) -> SearchReport {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 16, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(config(16))]
 
     #[test]
     fn lanes_repeat_the_literal_iteration_to_the_last_bit(

@@ -200,7 +200,7 @@ fn each_column_of_studies_and_results_has_a_line_in_the_book_and_each_line_a_col
     let study = ["solve", "--f", "else=-1", "--vary", "h=4,8", "--csv", "s.csv"];
     project.run(&study).lines();
     for (form, file) in [("R", "report/results.csv"), ("S", "s.csv")] {
-        let text = fs::read_to_string(project.path(file)).unwrap();
+        let text = project.read(file);
         let header = text.lines().next().unwrap().split(',').map(str::to_owned);
         let columns: Fields = header.filter(|name| form == "R" || name != "h").collect();
         assert_eq!(columns, of_answers(form), "{form}");

@@ -6,12 +6,12 @@ use signorini_mathematics::bounds::{Bounds, NoBound, bounds};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{LoadRule, load};
 use signorini_mathematics::levels::Problem;
-use signorini_mathematics::mesh::{AnyMesh, gmsh, uniform_cube};
+use signorini_mathematics::mesh::{AnyMesh, uniform_cube};
 use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_square};
 use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::problem::unsolvable::Unsolvable;
-use signorini_mathematics::solvers::{Run, Settings, Solver, solve, true_solution};
+use signorini_mathematics::solvers::{Settings, Solver, solve};
 
 /// Largest width of the bracket at 1/256 for each problem with friction.
 const WIDTHS: [f64; 6] = [2e-8, 8e-8, 2e-9, 3e-7, 2e-8, 2e-6];
@@ -161,49 +161,4 @@ fn what_the_law_cannot_balance_has_no_bound() {
     let found = problem.levels().bounds(law, &vec![0.0; problem.load().len()]);
     let is_refused = matches!(found, Err(NoBound::Unsolvable(Unsolvable::Unbalanced { .. })));
     assert!(is_refused, "{found:?}");
-}
-
-/// Mesh of a polygon.
-fn polygon(number: usize) -> AnyMesh {
-    let square = include_bytes!("../meshes/square.msh");
-    let mut mesh = match ["disc", "lshape", "annulus"].get(number) {
-        Some(name) => AnyMesh::built_in(name).unwrap(),
-        None => gmsh::read(square).unwrap(),
-    };
-    let AnyMesh::Plane(plane) = &mut mesh else { panic!("in space") };
-    plane.parts_mut().iter_mut().for_each(|part| part.curve = None);
-    mesh
-}
-
-#[test]
-#[ignore = "true solutions of 30 problems take some minutes"]
-fn brackets_on_meshes_meet_those_of_true_solutions() {
-    let mut dice = Dice(77);
-    let (mut tried, mut met, mut unproved, mut refused) = (0, 0, 0, 0);
-    while met + unproved + refused < 30 {
-        tried += 1;
-        let mesh = polygon(tried % 4);
-        let size = mesh.extent();
-        let [x, y, r] = [0.4, 0.4, 0.2].map(|part| size * dice.between(0.3 * part, part));
-        let [inside, left, right] = [0.0; 3].map(|_| dice.between(-6.0, 6.0));
-        let f = format!("disc({x},{y},{r})={inside}; halfplane(1,0.3,{x})={left}; else={right}");
-        let g = dice.between(0.2, 3.0);
-        let law = [Law::SIGNORINI, Law::friction(g).unwrap(), Law::limited(g).unwrap()][tried % 3];
-        let Ok(problem) = Problem::on_mesh(&mesh, 3, &f, law) else { continue };
-        let Ok(Run { y, .. }) = solve(&problem, &Settings::of(Solver::Multigrid)) else { continue };
-        let on_mesh = [0.0, 1e-2].map(|size| problem.bounds(&disturbed(&y, size, &mut dice)));
-        match true_solution(&problem).map(|truth| truth.bracket) {
-            Ok(Ok(bracket)) => {
-                let [one, two] = on_mesh.map(|found| found.unwrap().energy);
-                assert!(overlap(&[bracket, one, two]), "{f} {law}: {bracket:?} {one:?} {two:?}");
-                met += 1;
-            }
-            Ok(Err(_)) => unproved += 1,
-            Err(reason) => {
-                println!("{f} {law}: {reason}");
-                refused += 1;
-            }
-        }
-    }
-    println!("{met} met, {unproved} have no bracket, {refused} were refused, of {tried}");
 }

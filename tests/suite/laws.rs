@@ -1,6 +1,6 @@
 //! Laws on the boundary besides the paper's: solvers that agree, symmetries to the last bit, and known energies.
 
-use crate::common::Dice;
+use crate::common::{Dice, gmsh_file};
 use crate::domains::CubeMesh;
 use signorini_mathematics::discrete::end::End;
 use signorini_mathematics::discrete::grid::{Grid, nested};
@@ -69,6 +69,11 @@ fn load_of(n: usize, f: &str) -> (Grid, Vec<f64>) {
     (grid, load(grid, &f.parse::<Source>().unwrap(), BILINEAR))
 }
 
+/// Solution and end of multigrid on the square.
+fn on_square(n: usize, problem: LawAndLoad<'_>) -> Result<(Vec<f64>, End), InputError> {
+    solve_square(n, problem, &MultigridParams::default())
+}
+
 fn negative(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| -value).collect()
 }
@@ -130,9 +135,7 @@ fn compare(
 fn multigrid_and_the_active_set_agree_on_random_laws() {
     for (n, problems) in [(16, 1500), (32, 1000)] {
         let network = Network::of_square(Grid::new(n).unwrap());
-        compare(&network, problems, |problem| {
-            solve_square(n, problem, &MultigridParams::default())
-        });
+        compare(&network, problems, |problem| on_square(n, problem));
     }
 }
 
@@ -159,8 +162,7 @@ fn energies_with_friction_are_those_of_the_true_solutions() {
         let law = problem.law();
         let energy = |n: usize| {
             let (grid, load) = load_of(n, problem.f);
-            let (y, _) =
-                solve_square(n, law.with_load(&load), &MultigridParams::default()).unwrap();
+            let (y, _) = on_square(n, law.with_load(&load)).unwrap();
             judge(grid, law, &y, &load).energy
         };
         // The error falls by four with each halving of h.
@@ -211,9 +213,8 @@ fn minus_f_with_friction_gives_minus_v_to_the_last_bit() {
         let law = problem.law();
         let (grid, load) = load_of(32, problem.f);
         let opposite = negative(&load);
-        let [(y, _), (minus, _)] = [&load, &opposite].map(|load| {
-            solve_square(32, law.with_load(load), &MultigridParams::default()).unwrap()
-        });
+        let [(y, _), (minus, _)] =
+            [&load, &opposite].map(|load| on_square(32, law.with_load(load)).unwrap());
         assert!(negative(&y) == minus, "{problem:?}: multigrid");
         let [(y, _), (minus, _)] =
             [&load, &opposite].map(|load| active_set(32, law, load).unwrap());
@@ -233,24 +234,17 @@ fn minus_f_with_friction_gives_minus_v_to_the_last_bit() {
 fn a_limit_that_no_reaction_reaches_gives_the_bits_of_the_papers_law() {
     for f in ["quadrant(ll)=-6; else=1.998", "disc(0.1,0.2,0.2)=5; else=-2"] {
         let (grid, load) = load_of(32, f);
-        let (y, _) =
-            solve_square(32, Law::SIGNORINI.with_load(&load), &MultigridParams::default()).unwrap();
+        let (y, _) = on_square(32, Law::SIGNORINI.with_load(&load)).unwrap();
         let judged = judge(grid, Law::SIGNORINI, &y, &load);
         let most = judged.flux.iter().fold(0.0f64, |most, flux| most.max(*flux)) / grid.h();
         let limited = Law::limited(1.0001 * most).unwrap();
-        assert!(
-            y == solve_square(32, limited.with_load(&load), &MultigridParams::default()).unwrap().0,
-            "{f}"
-        );
+        assert!(y == on_square(32, limited.with_load(&load)).unwrap().0, "{f}");
         let [(y, _), (z, _)] =
             [Law::SIGNORINI, limited].map(|law| active_set(32, law, &load).unwrap());
         assert!(y == z, "{f}");
         // A limit below the largest reaction is felt.
         let felt = Law::limited(0.7 * most).unwrap();
-        assert!(
-            y != solve_square(32, felt.with_load(&load), &MultigridParams::default()).unwrap().0,
-            "{f}"
-        );
+        assert!(y != on_square(32, felt.with_load(&load)).unwrap().0, "{f}");
     }
 }
 
@@ -259,43 +253,23 @@ fn friction_where_v_has_one_sign_is_the_papers_problem_with_another_load() {
     for problem in [0, 2, 4, 5].map(|at| FRICTION[at]) {
         let (grid, load) = load_of(32, problem.f);
         let law = problem.law();
-        let (y, _) = solve_square(32, law.with_load(&load), &MultigridParams::default()).unwrap();
+        let (y, _) = on_square(32, law.with_load(&load)).unwrap();
         let mut less = load.clone();
         grid.boundary().for_each(|node| less[node] -= grid.h() * problem.g);
-        let (z, _) =
-            solve_square(32, Law::SIGNORINI.with_load(&less), &MultigridParams::default()).unwrap();
+        let (z, _) = on_square(32, Law::SIGNORINI.with_load(&less)).unwrap();
         assert!(y == z, "{problem:?}");
         assert!(grid.boundary().all(|node| y[node] >= 0.0), "{problem:?}");
     }
 }
 
-/// Two squares that do not touch.
-const TWO_SQUARES: &str = "$MeshFormat
-2.2 0 8
-$EndMeshFormat
-$Nodes
-8
-1 0 0 0
-2 1 0 0
-3 1 1 0
-4 0 1 0
-5 2 0 0
-6 3 0 0
-7 3 1 0
-8 2 1 0
-$EndNodes
-$Elements
-4
-1 2 2 1 1 1 2 3
-2 2 2 1 1 1 3 4
-3 2 2 2 2 5 6 7
-4 2 2 2 2 5 7 8
-$EndElements
-";
-
 #[test]
 fn components_may_slip_in_opposite_directions() {
-    let AnyMesh::Plane(mesh) = read(TWO_SQUARES.as_bytes()).unwrap() else { panic!("in space") };
+    // Two squares that do not touch.
+    let file = gmsh_file(
+        "1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 2 0 0\n6 3 0 0\n7 3 1 0\n8 2 1 0",
+        "1 2 2 1 1 1 2 3\n2 2 2 1 1 1 3 4\n3 2 2 2 2 5 6 7\n4 2 2 2 2 5 7 8",
+    );
+    let AnyMesh::Plane(mesh) = read(file.as_bytes()).unwrap() else { panic!("in space") };
     let (levels, mesh) = refined(&mesh, 4).unwrap();
     let network = &levels[4].network;
     // Positive near one corner, negative elsewhere; on the right square the negative of it.
@@ -327,20 +301,11 @@ fn components_may_slip_in_opposite_directions() {
 fn loads_that_the_flux_cannot_balance_are_refused() {
     let (_, load) = load_of(16, "else=4");
     for law in [Law::friction(0.99), Law::limited(3.0)].map(Result::unwrap) {
-        let message = solve_square(16, law.with_load(&load), &MultigridParams::default())
-            .unwrap_err()
-            .to_string();
+        let message = on_square(16, law.with_load(&load)).unwrap_err().to_string();
         assert!(message.contains("the flux through the boundary can only balance"), "{message}");
         // On a network, parts of the boundary may be fixed.
         let other = active_set(16, law, &load).unwrap_err().to_string();
         assert_eq!(other.split(';').next(), message.split(';').next());
     }
-    assert!(
-        solve_square(
-            16,
-            Law::friction(1.001).unwrap().with_load(&load),
-            &MultigridParams::default()
-        )
-        .is_ok()
-    );
+    assert!(on_square(16, Law::friction(1.001).unwrap().with_load(&load)).is_ok());
 }

@@ -88,7 +88,7 @@ fn code(file: &Path) -> String {
 type Paths = Vec<Vec<String>>;
 
 /// The paths in some code that follow `root`; what stands in braces counts as several.
-fn paths_after(code: &str, root: &str) -> Paths {
+pub(crate) fn paths_after(code: &str, root: &str) -> Paths {
     let mut found = Vec::new();
     for (at, _) in code.match_indices(root) {
         // Not the end of another word, and not in the middle of a path.

@@ -1,8 +1,7 @@
 //! Maps of solutions and surfaces from `solve` and from scenes: what they show, their words and titles, what is refused.
 
-use crate::common::{Project, TABLE, wanting};
+use crate::common::{Project, TABLE};
 use serde_json::Value;
-use std::fs;
 
 /// Mark of a map: regions between isolines.
 const BANDS: &str = "fill-rule=\"evenodd\"";
@@ -19,7 +18,7 @@ fn gear() -> String {
 fn solved(project: &Project, args: &[&str]) -> (Value, String) {
     let all = [&["solve", "--json", "--out", "v.svg"], args].concat();
     let answer = project.run(&all).json();
-    (answer, fs::read_to_string(project.path("v.svg")).unwrap())
+    (answer, project.read("v.svg"))
 }
 
 /// Length of the lines of a picture that have this mark, in pixels of its canvas.
@@ -90,25 +89,6 @@ fn every_domain_in_the_plane_has_a_map_with_contact_where_the_answer_says_it() {
 }
 
 #[test]
-fn pictures_have_the_words_of_the_law() {
-    let project = Project::with(TABLE);
-    let f = ["--f", "halfplane(1,0,0)=8; else=-9", "--h", "1/16"];
-    for view in ["--map", "--surface"] {
-        for (law, words) in [
-            (&[][..], ">in contact (multiplier a &gt; 0)</text>"),
-            (&["--friction", "1"], ">sticks (v = 0)</text>"),
-            (&["--limit", "3"], ">sticks (v = 0)</text>"),
-        ] {
-            let (_, svg) = solved(&project, &[&f[..], law, &[view]].concat());
-            assert!(svg.contains(words), "{view} {law:?}");
-            assert_eq!(svg.matches("contact").count(), usize::from(law.is_empty()), "{law:?}");
-            assert!(!svg.contains("dimensionless"));
-            assert_eq!(svg.contains(BANDS), view == "--map");
-        }
-    }
-}
-
-#[test]
 fn a_picture_is_titled_by_f_or_the_name_of_the_file_or_the_scene() {
     let project = Project::with(TABLE);
     let f = "disc(0,0,0.2)=1; else=-1";
@@ -139,41 +119,5 @@ fn a_picture_is_titled_by_f_or_the_name_of_the_file_or_the_scene() {
             assert!(long.starts_with(whole) && whole.ends_with(';') | is_whole, "{shown}");
             assert_eq!((whole == long, shown.ends_with(" …")), (is_whole, !is_whole), "{shown}");
         }
-    }
-}
-
-#[test]
-fn a_scene_has_a_map_if_it_asks_for_one() {
-    let project = Project::with(&wanting("[\"table\", \"map\"]"));
-    project.run(&["run"]).lines();
-    let map = fs::read_to_string(project.path("figures/a-map.svg")).unwrap();
-    assert!(map.contains(BANDS) && !held(&map).is_empty());
-    assert!(!project.path("figures/a-surface.svg").exists());
-    project.scene("a", TABLE);
-    project.run(&["run"]).lines();
-    assert!(!project.path("figures/a-map.svg").exists());
-}
-
-#[test]
-fn the_title_of_each_picture_of_a_scene_names_its_kind() {
-    let outputs = "[\"table\", \"source\", \"surface\", \"map\", \"history\", \"contact\"]";
-    let project = Project::with(&wanting(outputs));
-    let study = "title = \"Two\"\nf = \"else=-1\"\nvary = { h = [4, 8] }\noutputs = [\"chart\"]\n";
-    project.scene("s", study);
-    project.run(&["run"]).lines();
-    for (figure, kind) in [
-        ("a-source", "Right-hand side f: Suction"),
-        ("a-surface", "Surface v: Suction"),
-        ("a-map", "Map of v: Suction"),
-        ("a-history", "Gradient against iterations: Suction"),
-        ("a-contact", "Trace and multiplier along the boundary: Suction"),
-        ("s-chart", "Study: Two"),
-    ] {
-        let picture = fs::read_to_string(project.path(&format!("figures/{figure}.svg"))).unwrap();
-        assert!(
-            picture.contains(&format!("<title>{kind}</title>")),
-            "{figure}: {}",
-            &picture[..900]
-        );
     }
 }

@@ -241,102 +241,6 @@ fn nameless(mut rows: Vec<Value>) -> Vec<Value> {
     rows
 }
 
-/// Study `s` of a project, in steps of R and h.
-fn saved() -> Project {
-    let project = Project::with(TABLE);
-    let f = "disc(0,0,$R)=4; else=-1";
-    let args = ["--f", f, "--vary", "R=0.1,0.2", "--vary", "h=1/8,16", "--save", "s"];
-    project.run(&[&["solve"], &args[..]].concat()).lines();
-    project
-}
-
-#[test]
-fn numbers_are_put_into_formulas_as_numbers() {
-    let project = Project::with(TABLE);
-    let one = |f: &str| {
-        rows(&project, &["--f", f, "--h", "8", "--vary", "friction=99"])[0]["energy"].clone()
-    };
-    for (f, name, expected) in [
-        ("formula($a^2-6)", "a=-2|2", ["formula(4-6)"; 2]),
-        ("formula(1/$a-9)", "a=1/4|1/2", ["formula(4-9)", "formula(2-9)"]),
-        ("formula(-1-$a^2)", "a=-0.5,0.25", ["formula(-1.25)", "formula(-1.0625)"]),
-        ("formula(-2-$a)", "a=-1/2,3", ["formula(-1.5)", "formula(-5)"]),
-        ("else=-$a", "a=3,1/2", ["else=-3", "else=-0.5"]),
-        (
-            "rect(-$a,1/4,-1,1)=-2; else=-1",
-            "a=-0.125,0.25",
-            ["rect(0.125,0.25,-1,1)=-2; else=-1", "rect(-0.25,0.25,-1,1)=-2; else=-1"],
-        ),
-    ] {
-        let found = rows(&project, &["--f", f, "--h", "8", "--friction", "99", "--vary", name]);
-        for (row, expected) in found.iter().zip(expected) {
-            assert_eq!(row["energy"], one(expected), "{f}: {row}");
-        }
-        assert_eq!(found.len(), 2, "{f}");
-    }
-    // In a scene as well, whose values are typed.
-    project.scene("t", "title = \"t\"\nf = \"formula($a^2-6)\"\nh = 8\nvary = { a = [-2.0, 3.0] }\noutputs = [\"table\"]\n");
-    assert_eq!(rows(&project, &["t"])[0]["energy"], one("formula(4-6)"));
-}
-
-#[test]
-fn options_replace_what_does_not_vary() {
-    let project = saved();
-    // What does not vary is replaced in each row, and the labels stay.
-    let over = rows(&project, &["s", "--solver", "active-set"]);
-    let own = rows(&project, &["s"]);
-    for (over, own) in over.iter().zip(&own) {
-        assert_eq!([&over["R"], &over["h"]], [&own["R"], &own["h"]]);
-        assert_eq!([&over["solver"], &own["solver"]], ["active-set", "multigrid"]);
-    }
-}
-
-#[test]
-fn values_of_several_parts_or_none_are_values() {
-    let project = Project::with(TABLE);
-    let f = ["--f", "else=-1", "--domain", "annulus", "--refine", "1"];
-    let found = rows(&project, &[&f[..], &["--vary", "fixed=inner,outer||inner|"]].concat());
-    for (row, options) in found.iter().zip([
-        &["--fixed", "inner", "--fixed", "outer"][..],
-        &[],
-        &["--fixed", "inner"],
-    ]) {
-        let alone = project.run(&[&["solve", "--json"], &f[..], options].concat()).json();
-        assert_eq!([&row["energy"], &row["force"]], [&alone["energy"], &alone["force"]], "{row}");
-    }
-    assert_eq!(found.len(), 3);
-    project.scene(
-        "t",
-        "title = \"t\"\nf = \"else=-1\"\ndomain = { name = \"annulus\", refine = 1 }\noutputs = [\"table\"]\n\
-         vary = { fixed = [[\"inner\", \"outer\"], [], \"inner\"] }\n",
-    );
-    assert_eq!(nameless(rows(&project, &["t"])), nameless(found));
-    let grids = rows(&project, &["--f", "else=-1", "--vary", "grids=4,8|"]);
-    assert_eq!((grids.len(), &grids[0]["varied"]["grids"]), (1, &"4,8".into()));
-}
-
-#[test]
-fn tasks_of_different_values_have_different_names() {
-    let project = Project::with(TABLE);
-    let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/meshes/square.msh");
-    for name in ["g/b.msh", "g_b.msh", "g~b.msh", "g=b.msh"] {
-        let path = project.path(&format!("pipeline/meshes/{name}"));
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::copy(mesh, path).unwrap();
-    }
-    let names = "\"meshes/g/b.msh\", \"meshes/g_b.msh\", \"meshes/g~b.msh\", \"meshes/g=b.msh\"";
-    project.scene(
-        "t",
-        &format!(
-            "title = \"t\"\nf = \"else=-1\"\nvary = {{ domain = [{names}], refine = [0, 1] }}\noutputs = [\"table\"]\n"
-        ),
-    );
-    let ran = project.run(&["run", "-v", "t"]);
-    let members: BTreeSet<_> =
-        ran.ran().into_iter().filter(|id| id.starts_with("solve/")).collect();
-    assert_eq!(members.len(), 8, "{ran:?}");
-}
-
 #[test]
 fn an_interrupted_study_keeps_the_rows_that_it_has() {
     let project = Project::with(TABLE);
@@ -359,7 +263,7 @@ fn an_interrupted_study_keeps_the_rows_that_it_has() {
     interrupt(&child);
     let said = Said::from(child.wait_with_output().unwrap());
     assert!(said.code == Some(130) && said.err.contains("finishing what has begun"), "{said:?}");
-    let csv = fs::read_to_string(project.path("t.csv")).unwrap();
+    let csv = project.read("t.csv");
     let interrupted =
         csv.lines().filter(|row| row.ends_with("interrupted; solve it again")).count();
     assert!(csv.lines().count() == 401 && interrupted > 0, "{csv}");

@@ -1,13 +1,13 @@
 //! f on meshes: exact integrals of constant pieces, sampled ones of formulas, and brackets that hold the true energy.
 
-use crate::common::{Dice, Project, TABLE};
+use crate::common::{Dice, Project, TABLE, mesh, mesh_path, number};
 use serde_json::json;
 use signorini_mathematics::discrete::cells::CutCube;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::mesh::{
-    AnyMesh, BuiltIn, ConstantPieces, Mesh, MeshData, OnCells, PlaneMesh, gmsh, mesh_load,
-    uniform_cube, uniform_square,
+    AnyMesh, BuiltIn, ConstantPieces, Mesh, MeshData, OnCells, PlaneMesh, mesh_load, uniform_cube,
+    uniform_square,
 };
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -18,15 +18,7 @@ use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::solvers::{Settings, Solver, solve};
 use std::f64::consts::PI;
-use std::fs;
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-fn mesh(name: &str) -> AnyMesh {
-    AnyMesh::built_in(name).unwrap_or_else(|| {
-        let path = format!("{}/tests/meshes/{name}.msh", env!("CARGO_MANIFEST_DIR"));
-        gmsh::read(&fs::read(path).unwrap()).unwrap()
-    })
-}
 
 /// Shapes of all kinds, smaller and larger than the cells, some of them hidden or beside the domain.
 fn random_shapes(dice: &mut Dice, count: usize) -> String {
@@ -219,61 +211,46 @@ fn brackets_hold_the_energy_of_a_solution_three_refinements_finer() {
 #[test]
 fn answers_say_on_what_their_bounds_rest() {
     let project = Project::with(TABLE);
-    let square = format!("{}/tests/meshes/square.msh", env!("CARGO_MANIFEST_DIR"));
-    let (pieces, formula) = ("disc(0.1,0.2,0.05)=-2; else=-1", "formula(x*y - 2)");
-    for (args, reserve, words) in [
-        (&["--h", "1/8", "--f", pieces][..], &[][..], "guaranteed: true energy"),
+    let (pieces, formula) = ("--f 'disc(0.1,0.2,0.05)=-2; else=-1'", "--f 'formula(x*y - 2)'");
+    let square = format!("--domain {} --refine 1 {pieces}", mesh_path("square"));
+    let curved = format!("{square} --curve south=0.5,-10,10.012492197250394");
+    let [exactly, quadrature] =
+        ["guaranteed: true energy", "guaranteed, but for the quadrature of f:"];
+    for (problem, f, reserve, words) in [
+        ("--h 1/8", pieces, json!([]), exactly),
+        ("--h 1/8", formula, json!(["quadrature"]), quadrature),
+        ("--domain cube --refine 1", "--f 'ball(0,0,0,0.2)=-2; else=-1'", json!([]), exactly),
+        ("--domain cube --refine 1", "--f 'formula(x - 2)'", json!(["quadrature"]), quadrature),
+        ("--domain lshape --refine 1", pieces, json!([]), exactly),
+        ("--domain lshape --refine 1", formula, json!(["quadrature"]), quadrature),
+        ("--domain disc --refine 1", pieces, json!(["polygon"]), "guaranteed, on the polygon:"),
         (
-            &["--h", "1/8", "--f", formula],
-            &["quadrature"],
-            "guaranteed, but for the quadrature of f:",
-        ),
-        (
-            &["--domain", "cube", "--f", "ball(0,0,0,0.2)=-2; else=-1"],
-            &[],
-            "guaranteed: true energy",
-        ),
-        (&["--domain", "cube", "--f", "formula(x - 2)"], &["quadrature"], "but for the quadrature"),
-        (&["--domain", "lshape", "--f", pieces], &[], "guaranteed: true energy"),
-        (&["--domain", "lshape", "--f", formula], &["quadrature"], "but for the quadrature"),
-        (&["--domain", "disc", "--f", pieces], &["polygon"], "guaranteed, on the polygon:"),
-        (
-            &["--domain", "annulus", "--f", formula],
-            &["quadrature", "polygon"],
+            "--domain annulus --refine 1",
+            formula,
+            json!(["quadrature", "polygon"]),
             "guaranteed, on the polygon, but for the quadrature of f:",
         ),
-        (&["--domain", "ball", "--f", "else=-1"], &["polygon"], "guaranteed, on the polyhedron:"),
-        (&["--domain", &square, "--f", pieces], &[], "guaranteed: true energy"),
-        (
-            &["--domain", &square, "--f", pieces, "--curve", "south=0.5,-10,10.012492197250394"],
-            &["polygon"],
-            "guaranteed, on the polygon:",
-        ),
+        ("--domain ball --refine 1", "--f else=-1", json!(["polygon"]), "on the polyhedron:"),
+        (&square, "", json!([]), exactly),
+        (&curved, "", json!(["polygon"]), "guaranteed, on the polygon:"),
     ] {
-        let mut args = [&["solve"], args].concat();
-        if !args.contains(&"--h") {
-            args.extend(["--refine", "1"]);
-        }
-        let said = project.run(&args);
-        assert!(said.lines().iter().any(|line| line.contains(words)), "{args:?}: {said:?}");
-        args.push("--json");
-        assert_eq!(project.run(&args).json()["bound"]["reserve"], json!(reserve), "{args:?}");
+        let line = format!("{problem} {f}");
+        let said = project.line(&format!("solve {line}"));
+        assert!(said.lines().iter().any(|line| line.contains(words)), "{line}: {said:?}");
+        assert_eq!(project.answer(&line)["bound"]["reserve"], reserve, "{line}");
     }
 }
 
 #[test]
 fn sources_between_the_points_of_a_quadrature_are_seen() {
     let project = Project::with(TABLE);
-    for (args, integral) in [
-        (["lshape", "2", "disc(-0.36,0.69,0.05)=-141; else=-0.991"], -4.0726),
-        (["lshape", "3", "disc(0.53,0.43,0.02)=800; else=-1"], -1.9934),
-        (["lshape", "0", "rect(0.1,0.1001,0.1,0.1001)=-1e8; else=-1"], -4.0),
+    for (line, integral) in [
+        ("--refine 2 --f 'disc(-0.36,0.69,0.05)=-141; else=-0.991'", -4.0726),
+        ("--refine 3 --f 'disc(0.53,0.43,0.02)=800; else=-1'", -1.9934),
+        ("--refine 0 --f 'rect(0.1,0.1001,0.1,0.1001)=-1e8; else=-1'", -4.0),
     ] {
-        let [domain, refine, f] = args;
-        let said =
-            project.run(&["solve", "--domain", domain, "--refine", refine, "--f", f, "--json"]);
-        let found = said.json()["integral_f"].as_f64().unwrap();
-        assert!((found - integral).abs() < 1e-4, "{args:?}: {found}");
+        let found = number(&project.answer(&format!("--domain lshape {line}"))["integral_f"]);
+        assert!((found - integral).abs() < 1e-4, "{line}: {found}");
     }
 }
 

@@ -1,12 +1,9 @@
 //! Solvers of optimal cost: accuracy, agreement, cost in work units, robustness.
 
 use crate::common::{Dice, paper_problems, random_source};
-use crate::domains::{self, Domain, SquareGrid};
-use crate::hard_loads::{nodal_load, stress_loads};
-use crate::solvers::{
-    ALGEBRAIC, BYTES, HARD_WORK_UNITS, TEXTBOOK, WORK_UNITS, distance, distance_in_h1,
-};
-use proptest::prelude::*;
+use crate::domains::{self, SquareGrid};
+use crate::hard_loads::stress_loads;
+use crate::solvers::{ALGEBRAIC, BYTES, HARD_WORK_UNITS, TEXTBOOK, WORK_UNITS, distance_in_h1};
 use rayon::prelude::*;
 use signorini_mathematics::discrete::end::End;
 use signorini_mathematics::discrete::grid::Grid;
@@ -15,7 +12,6 @@ use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::discrete::norms::{Errors, errors, multiplier_error};
 use signorini_mathematics::discrete::stiffness::energy;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::multigrid::active_set::active_set;
 use signorini_mathematics::multigrid::{
     Goal, InputError, Multigrid, MultigridParams, solve_square,
 };
@@ -219,34 +215,4 @@ fn a_short_slice_does_not_hold_the_solution() {
         .solve(Law::SIGNORINI.with_load(&[-1.0; 289]), &MultigridParams::default())
         .expect("valid load");
     workspace.write_solution(&mut [0.0; 272]);
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
-
-    /// Random loads, from smooth to rough, with any negative sum.
-    #[test]
-    fn random_problems_are_solved(
-        log_n in 1_u32..6,
-        odd in prop::sample::select(vec![1_usize, 3]),
-        amplitudes in prop::collection::vec(-1.0..1.0_f64, 12),
-        roughness in 0.0..1.0_f64,
-        deficit_exponent in -8.0..-0.3_f64,
-    ) {
-        let n = odd << log_n;
-        let load = nodal_load(n, Some(10_f64.powf(deficit_exponent)), |x, y| {
-            let smooth: f64 = amplitudes.iter().enumerate().map(|(k, a)| {
-                a * ((k / 4 + 1) as f64 * 2.0 * x + k as f64).sin() * ((k % 4) as f64 * 2.5 * y + 0.3).cos()
-            }).sum();
-            smooth + roughness * ((x * 517.3 + y * 917.7).sin() * 4317.5).fract()
-        });
-        let (y, outcome) = run(n, &load, Goal::RoundingFloor);
-        prop_assert_eq!(outcome.stop, Stop::RoundingFloor);
-        let (oracle, _) = active_set(n, Law::SIGNORINI, &load).expect("valid");
-        // Twice what the solver asks for: the check adds in another order.
-        let level = 2.0 * SquareGrid(n).rounding_level(&oracle);
-        prop_assert!(natural_residual(n, &y, &load) <= level, "{outcome:?}");
-        prop_assert!(natural_residual(n, &oracle, &load) <= level);
-        prop_assert!(distance(&y, &oracle) <= 1e4 * level, "{}", distance(&y, &oracle) / level);
-    }
 }

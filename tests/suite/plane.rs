@@ -1,7 +1,7 @@
 //! True solutions on domains in the plane other than the square: digits known from another program, brackets of finite
 //! elements, files, refusals.
 
-use crate::common::{Dice, Project, TABLE};
+use crate::common::{Dice, Project, TABLE, gmsh_file, number};
 use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::solvers::Solver;
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
@@ -119,25 +119,16 @@ fn file(points: &[[f64; 2]], cells: &[[usize; 3]], low: &[[usize; 2]]) -> Vec<u8
 
 /// A Gmsh file of triangles in regions named `r1`, `r2` and so on, with the edges of a part named `low`.
 fn file_of_regions(points: &[[f64; 2]], regions: &[&[[usize; 3]]], low: &[[usize; 2]]) -> Vec<u8> {
-    let mut text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n".to_owned();
-    text += &format!("{}\n1 1 \"low\"\n", 1 + regions.len());
-    for region in 2..2 + regions.len() {
-        text += &format!("2 {region} \"r{}\"\n", region - 1);
-    }
-    text += "$EndPhysicalNames\n";
-    text += &format!("$Nodes\n{}\n", points.len());
-    for (k, [x, y]) in (1..).zip(points) {
-        text += &format!("{k} {x} {y} 0\n");
-    }
+    let nodes = (1..).zip(points).map(|(k, [x, y])| format!("{k} {x} {y} 0"));
     let cells = (2..).zip(regions).flat_map(|(of, cells)| cells.iter().map(move |cell| (of, cell)));
-    text += &format!("$EndNodes\n$Elements\n{}\n", cells.clone().count() + low.len());
-    for (k, [a, b]) in (1..).zip(low) {
-        text += &format!("{k} 1 2 1 1 {a} {b}\n");
-    }
-    for (k, (region, [a, b, c])) in (1 + low.len()..).zip(cells) {
-        text += &format!("{k} 2 2 {region} 1 {a} {b} {c}\n");
-    }
-    (text + "$EndElements\n").into_bytes()
+    let cells = cells.map(|(of, [a, b, c])| format!(" 2 2 {of} 1 {a} {b} {c}"));
+    let edges = low.iter().map(|[a, b]| format!(" 1 2 1 1 {a} {b}"));
+    let elements = (1..).zip(edges.chain(cells)).map(|(k, element)| format!("{k}{element}"));
+    let [nodes, elements] = [nodes.collect::<Vec<_>>(), elements.collect()].map(|l| l.join("\n"));
+    let names = (2..2 + regions.len()).map(|of| format!("2 {of} \"r{}\"\n", of - 1));
+    let names = format!("{}\n1 1 \"low\"\n{}", 1 + regions.len(), names.collect::<String>());
+    let names = format!("$PhysicalNames\n{names}$EndPhysicalNames\n$Nodes");
+    gmsh_file(&nodes, &elements).replacen("$Nodes", &names, 1).into_bytes()
 }
 
 /// Polygons: the L-shape, and files with a triangle and with a trapezium, whose lower side may be fixed or free.
@@ -198,9 +189,8 @@ fn brackets_of_elements_hold_the_true_energies_of_random_problems() {
 fn borders_may_end_in_the_middle_of_a_hole() {
     let project = Project::with(TABLE);
     let [truth, near] = ["spectral", "multigrid"].map(|solver| {
-        let f = ["--f", "rect(0,2,0,2)=3; else=-2", "--solver", solver, "--json"];
-        let json = project.run(&[&["solve", "--domain", "annulus"], &f[..]].concat()).json();
-        json["energy"].as_f64().unwrap()
+        let f = "--domain annulus --f 'rect(0,2,0,2)=3; else=-2'";
+        number(&project.answer(&format!("{f} --solver {solver}"))["energy"])
     });
     assert!((truth - near).abs() < 0.02 * near.abs(), "{truth} {near}");
 }
@@ -275,27 +265,23 @@ fn components_of_a_file_are_problems_of_their_own() {
 fn values_at_nodes_and_files_are_those_of_the_true_solution() {
     let project = Project::with(TABLE);
     let f = "rect(0,9,0,9)=5; else=-3";
-    let solve = ["solve", "--domain", "lshape", "--f", f, "--solver", "spectral"];
-    let json = project.run(&[&solve[..], &["--json"]].concat()).json();
+    let truth = format!("--domain lshape --f '{f}' --solver spectral");
+    let json = project.answer(&truth);
     assert_eq!(json["bound"]["energy"].as_array().unwrap().len(), 2, "{json}");
-    assert!(
-        json["grids"].is_null() && json["checks"]["residual"].as_f64().unwrap() < 1e-6,
-        "{json}"
-    );
-    let written = |file: &str| {
-        let out = ["--refine", "2", "--out", file];
-        assert_eq!(project.run(&[&solve[..], &out].concat()).code, Some(0));
+    assert!(json["grids"].is_null() && number(&json["checks"]["residual"]) < 1e-6, "{json}");
+    let written = |options: &str, file: &str| {
+        project.line(&format!("solve {options} --out {file}")).lines();
         fs::read(project.path(file)).unwrap()
     };
-    assert!(written("v.vtu").starts_with(b"<?xml") && written("v.svg").starts_with(b"<svg"));
+    let truth = format!("{truth} --refine 2");
+    assert!(written(&truth, "v.vtu").starts_with(b"<?xml"));
+    assert!(written(&truth, "v.svg").starts_with(b"<svg"));
     let values = |bytes: &[u8]| -> Vec<f64> {
         let numbers = &bytes[bytes.len() % 8..];
         numbers.as_chunks::<8>().0.iter().map(|eight| f64::from_le_bytes(*eight)).collect()
     };
-    let truth = values(&written("v.npy"));
-    let finer = ["solve", "--domain", "lshape", "--f", f, "--refine", "6", "--out", "w.npy"];
-    assert_eq!(project.run(&finer).code, Some(0));
-    let elements = values(&fs::read(project.path("w.npy")).unwrap());
+    let truth = values(&written(&truth, "v.npy"));
+    let elements = values(&written(&format!("--domain lshape --f '{f}' --refine 6"), "w.npy"));
     // The first nodes of a finer mesh are those of the coarser one, and come after the head of the file.
     let nodes = 65;
     let (truth, head) = (&truth[truth.len() - nodes..], 128 / 8);
@@ -332,7 +318,7 @@ fn points_of_the_boundary_lie_in_the_domain() {
 }
 
 #[test]
-fn what_is_not_served_gets_one_line() {
+fn a_polygon_on_a_circle_is_refused_until_it_has_its_curve() {
     let project = Project::with(TABLE);
     let circle: Vec<_> = (0..100).map(|k| 0.02 * std::f64::consts::PI * f64::from(k)).collect();
     let mut points: Vec<_> = circle.iter().map(|angle| [angle.cos(), angle.sin()]).collect();
@@ -340,44 +326,13 @@ fn what_is_not_served_gets_one_line() {
     let cells: Vec<_> = (1..=100).map(|k| [k, k % 100 + 1, 101]).collect();
     let rim: Vec<_> = (1..=100).map(|k| [k, k % 100 + 1]).collect();
     project.write("round.msh", file(&points, &cells, &rim));
-    for (args, words) in [
-        (&["--domain", "cube", "--f", "else=-1"][..], "is for domains in the plane"),
-        (&["--domain", "lshape", "--f", "formula(abs(x) - 2)"], "f is no polynomial"),
-        (
-            &["--domain", "round.msh", "--f", "else=-1"],
-            "on a circle, as low=0,0,1; use --solver multigrid",
-        ),
-        (&["--domain", "lshape", "--f", "else=-1", "--refine", "2"], "--refine is about the file"),
-        (&["--domain", "lshape", "--f", "else=1"], "lower f somewhere"),
-    ] {
-        let said = project.run(&[&["solve", "--solver", "spectral"], args].concat());
-        assert!(said.refusal().contains(words), "{words}: {said:?}");
-    }
-    let round = ["solve", "--domain", "round.msh", "--curve", "low=0,0,1", "--f", "else=-1"];
-    let json = project.run(&[&round[..], &["--solver", "spectral", "--json"]].concat()).json();
+    let round = "--domain round.msh --f else=-1 --solver spectral";
+    let said = project.line(&format!("solve {round}"));
+    assert!(said.refusal().contains("on a circle, as low=0,0,1; use --solver multigrid"));
+    let json = project.answer(&format!("{round} --curve low=0,0,1"));
     // v = (|x|^2 - 1) / 4 on the unit disc.
     let known = -std::f64::consts::PI / 16.0;
     assert!((json["energy"].as_f64().unwrap() - known).abs() < 1e-12, "{json}");
-}
-
-#[test]
-fn scenes_and_options_agree_on_it() {
-    let project = Project::with(TABLE);
-    let keys = "title = \"t\"\nf = \"else=-1\"\nsolver = \"spectral\"\noutputs = [\"table\", \"map\", \"contact\"]\n\
-        domain = { name = \"annulus\", refine = 2, fixed = [\"inner\"] }\n";
-    project.scene("ring", keys);
-    project.run(&["run", "ring"]).lines();
-    project.run(&["run", "ring"]).nothing_to_do();
-    let options = ["solve", "--domain", "annulus", "--fixed", "inner", "--f", "else=-1"];
-    let of_options =
-        project.run(&[&options[..], &["--solver", "spectral", "--json"]].concat()).json();
-    let of_scene = project.run(&["solve", "ring", "--json"]).json();
-    for field in ["energy", "bound", "contact", "force", "checks", "iterations"] {
-        assert_eq!(of_options[field], of_scene[field], "{field}");
-    }
-    let table = fs::read_to_string(project.path("report/tables/ring.csv")).unwrap();
-    let energy = of_scene["energy"].as_f64().unwrap().to_string();
-    assert!(table.contains(&energy), "{table} {energy}");
 }
 
 /// Copy of the plane: turned by a right angle or mirrored, by a power of two as large, and shifted.

@@ -1,6 +1,6 @@
 //! What commands read: of a mesh its hash, of the book nothing unless it is built, and no broken scene hides another.
 
-use crate::common::{Project, TABLE};
+use crate::common::{Project, TABLE, mesh_path};
 use std::fs;
 
 const GEAR: &str = "title = \"Gear\"\nf = \"region(gear)=-1\"\n\
@@ -8,7 +8,7 @@ const GEAR: &str = "title = \"Gear\"\nf = \"region(gear)=-1\"\n\
     solver = \"arrow-hurwicz\"\nr = [10]\nstop = [\"printed-dual\"]\noutputs = [\"table\", \"surface\"]\n";
 
 fn gear() -> Vec<u8> {
-    fs::read(format!("{}/tests/meshes/gear.msh", env!("CARGO_MANIFEST_DIR"))).unwrap()
+    fs::read(mesh_path("gear")).unwrap()
 }
 
 /// A project with a scene on the square, `a`, and two scenes on one mesh.

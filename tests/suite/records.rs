@@ -1,6 +1,6 @@
 //! What is left for others to read: the reviewer's certificate.
 
-use crate::common::{EVERYTHING, Project, Said, TABLE, assert_same, files_below, wanting};
+use crate::common::{EVERYTHING, Project, Said, assert_same, wanting};
 use std::fs;
 
 /// A project with a published table of which one cell comes out differently and one is far off.
@@ -41,7 +41,7 @@ fn a_certificate_says_what_matched_and_how_to_do_it_again() {
     let printed = said.out.lines().chain(said.err.lines());
     printed.for_each(|line| assert!(line.chars().count() <= 80, "{line}"));
 
-    let yaml = fs::read_to_string(project.path("codecheck/codecheck.yml")).unwrap();
+    let yaml = project.read("codecheck/codecheck.yml");
     assert!(
         yaml.starts_with("%YAML 1.1\n---\nversion: \"https://codecheck.org.uk/spec/config/1.0\"\n")
     );
@@ -65,7 +65,7 @@ fn a_certificate_says_what_matched_and_how_to_do_it_again() {
     let count = files_of_manifest(&project, &yaml);
     assert_eq!(count, 8, "the paper's table, that of the scene, four figures, and the data of two");
 
-    let page = fs::read_to_string(project.path("codecheck/certificate.md")).unwrap();
+    let page = project.read("codecheck/certificate.md");
     for part in [
         "2 of 4 counts exact, 3 within tolerance",
         "**4** ~ 2",
@@ -85,77 +85,4 @@ fn a_certificate_says_what_matched_and_how_to_do_it_again() {
     fs::remove_dir_all(project.path("again")).unwrap();
     // It is no part of the run.
     project.run(&["run"]).nothing_to_do();
-}
-
-#[test]
-fn what_leaves_the_machine_names_no_place_on_it() {
-    let project = published();
-    project.run(&["run"]).lines();
-    project.run(&["certificate"]).lines();
-    let place = project.path("").canonicalize().unwrap().display().to_string();
-    for folder in ["codecheck", "pipeline", "figures", "report"] {
-        for (name, bytes) in files_below(&project.path(folder)) {
-            assert!(!String::from_utf8_lossy(&bytes).contains(&place), "{folder}/{name}");
-        }
-    }
-    assert!(!project.run(&["dag", "--snakemake"]).out.contains(&place));
-}
-
-#[test]
-fn a_certificate_is_refused_unless_everything_is_up_to_date() {
-    let project = published();
-    let refused = |project: &Project, why: &str| {
-        let said = project.run(&["certificate"]);
-        assert!(said.refusal().contains(why), "{why}: {said:?}");
-        assert!(!project.path("codecheck").exists());
-    };
-    refused(&project, "of 8 tasks are not up to date (solve/a/signed/r=10 stale: first run)");
-    project.run(&["run"]).lines();
-    project.scene("a", &(wanting(EVERYTHING).replace("else=-1", "else=-2") + "paper_table = 1\n"));
-    refused(&project, "do `signorini run` first");
-    project.scene("a", &(wanting(EVERYTHING) + "paper_table = 1\n"));
-    let figure = fs::read(project.path("figures/figure1.svg")).unwrap();
-    project.write("figures/figure1.svg", "<svg>mine</svg>");
-    refused(&project, "figures/figure1.svg was edited by hand");
-    fs::remove_file(project.path("figures/figure1.svg")).unwrap();
-    refused(&project, "files in figures/ or report/ are missing or old");
-    project.write("figures/figure1.svg", figure);
-    let lock = fs::read_to_string(project.path("pipeline/lock.toml")).unwrap();
-    project.write("pipeline/lock.toml", lock.replace("[exports]", "\"more\" = \"0\"\n[exports]"));
-    refused(&project, "pipeline/lock.toml differs from this run in 1 hashes (more: 0 -> absent)");
-    project.write("pipeline/lock.toml", lock);
-    let said = project.run(&["certificate", "--output", "nowhere/new"]);
-    assert!(said.refusal().contains("--output nowhere: no such folder; make it with `mkdir"));
-    let said = project.run(&["certificate", "--output", "report"]);
-    assert!(said.refusal().contains("the certificate would lie in report/"), "{said:?}");
-    fs::create_dir(project.path("here")).unwrap();
-    project.run(&["certificate", "--output", "here"]).lines();
-    assert!(project.path("here/codecheck.yml").exists() && !project.path("codecheck").exists());
-}
-
-#[test]
-fn a_run_without_a_published_table_has_a_record_without_a_manifest() {
-    let project = published();
-    project.run(&["run"]).lines();
-    project.run(&["certificate"]).lines();
-    project.scene("a", TABLE);
-    project.run(&["run"]).lines();
-    fs::remove_dir_all(project.path("codecheck")).unwrap();
-    let said = project.run(&["certificate"]);
-    assert_eq!(said.lines(), ["codecheck/certificate.md", "codecheck/ro-crate-metadata.json"]);
-    let files = project.files("codecheck");
-    let wanted = [
-        "certificate.md",
-        "inputs/pipeline/paper.toml",
-        "inputs/pipeline/scenes/a.toml",
-        "ro-crate-metadata.json",
-        "tables/a.csv",
-    ];
-    assert_eq!(files.keys().collect::<Vec<_>>(), wanted);
-    for name in ["certificate.md", "ro-crate-metadata.json"] {
-        let text = str::from_utf8(&files[name]).unwrap();
-        assert!(text.contains("Scenes: a. No published table is compared."), "{text}");
-        assert!(!text.contains("Maksimova") && !text.contains("signorini diff"), "{text}");
-    }
-    assert!(project.run(&["diff"]).refusal().contains("no scene has a `paper_table`"));
 }

@@ -1,6 +1,6 @@
 //! The record of a run for programs, an RO-Crate: complete and true, and read by the tools of others.
 
-use crate::common::{EVERYTHING, Project, Said, assert_same, skip, wanting};
+use crate::common::{EVERYTHING, Project, Said, assert_same, mesh_path, skip, wanting};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -122,10 +122,10 @@ fn the_record_of_a_run_is_that_of_its_copy() {
 #[test]
 fn inputs_are_said_to_be_what_they_are() {
     let project = Project::with(&(wanting(EVERYTHING) + "paper_table = 1\n"));
-    let gear = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/meshes/gear.msh");
+    let gear = mesh_path("gear");
     // Any ending will do for a mesh.
     for name in ["gear.msh", "gear.geometry", "gear.toml"] {
-        fs::copy(gear, project.path(&format!("pipeline/{name}"))).unwrap();
+        fs::copy(&gear, project.path(&format!("pipeline/{name}"))).unwrap();
         let scene = "title = \"Gear\"\nf = \"region(gear)=-1\"\nsolver = \"arrow-hurwicz\"\nr = [10]\nstop = [\"printed-dual\"]\n\
             outputs = [\"table\"]\n";
         let domain = format!("domain = {{ name = \"{name}\", refine = 0, free = [\"hole\"] }}\n");

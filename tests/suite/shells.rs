@@ -1,6 +1,6 @@
 //! Completions, as the shells themselves give them.
 
-use crate::common::{Project, TABLE, absent};
+use crate::common::{Project, TABLE, skip};
 use std::fs;
 use std::process::Command;
 
@@ -59,7 +59,7 @@ fn each_shell_completes_commands_and_their_options() {
         command.args(["60", shell, "script"]).current_dir(project.path("."));
         let said = command.output().unwrap();
         if said.status.code() == Some(127) {
-            absent(&format!("{shell} is not installed"));
+            skip(&format!("{shell} is not installed"));
             continue;
         }
         let text = String::from_utf8_lossy(&said.stdout).into_owned();

@@ -3,7 +3,7 @@
 //!
 //! `SIGNORINI_SEED` is the seed, which a failure prints.
 
-use crate::common::{Dice, Project};
+use crate::common::{Dice, Project, Row, mesh_path};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -37,8 +37,7 @@ const SOLVERS: [&str; 7] = [
 fn project() -> Project {
     let project = Project::with("title = 't'\nf = 'else=-1'\ngrids = [4]\noutputs = ['table']\n");
     fs::create_dir(project.path("pipeline/meshes")).unwrap();
-    let gear = format!("{}/tests/meshes/gear.msh", env!("CARGO_MANIFEST_DIR"));
-    fs::copy(gear, project.path("pipeline/meshes/gear.msh")).unwrap();
+    fs::copy(mesh_path("gear"), project.path("pipeline/meshes/gear.msh")).unwrap();
     project.add_book("# Statements\n");
     project
 }
@@ -106,56 +105,60 @@ fn command(dice: &mut Dice, domain: &[&str], law: &[&str], solver: &str) -> Vec<
     words
 }
 
-/// Numbers of an answer that a table has as well: the energy on each level, or of the solution without one, and the
-/// bounds on the last.
-fn numbers(json: &Value) -> [Vec<u64>; 2] {
-    let energies = match json["grids"].as_array() {
-        Some(grids) => {
-            let mut energies: Vec<_> =
-                grids.iter().map(|grid| grid["energy"].as_f64().unwrap()).collect();
-            // Where the accuracy of the energy is asked for, the bracket has it.
-            *energies.last_mut().unwrap() = json["energy"].as_f64().unwrap();
-            energies
-        }
-        None => vec![json["energy"].as_f64().unwrap()],
-    };
-    let bounds = json["bound"]["energy"].as_array();
-    let bounds = bounds.into_iter().flatten().map(|bound| bound.as_f64().unwrap());
-    [bits(energies), bits(bounds)]
+/// Energies of an answer on all levels, and its bounds.
+fn numbers(json: &Value) -> [&Value; 2] {
+    [if json["grids"].is_null() { &json["energy"] } else { &json["grids"] }, &json["bound"]]
 }
 
-fn bits(numbers: impl IntoIterator<Item = f64>) -> Vec<u64> {
-    numbers.into_iter().map(f64::to_bits).collect()
-}
+/// Columns of the table of all results, each with its place in a level of an answer, or in one without levels.
+const OF_LEVEL: [(&str, &str); 6] = [
+    ("iterations", "/iterations"),
+    ("stop", "/stop"),
+    ("nodes", "/nodes"),
+    ("energy", "/energy"),
+    ("sum_load", "/sum_load"),
+    ("kkt_natural", "/kkt/natural"),
+];
 
-/// The same numbers of each scene by the table of a run.
-fn of_table(csv: &str) -> BTreeMap<String, [Vec<u64>; 2]> {
-    let mut lines = csv.lines();
-    let head: Vec<_> = lines.next().unwrap().split(',').collect();
-    let place = |name: &str| head.iter().position(|column| *column == name).unwrap();
-    let (energy, bounds) = (place("energy"), [place("energy_lower"), place("energy_upper")]);
-    let mut of_scenes = BTreeMap::<String, [Vec<u64>; 2]>::new();
-    for line in lines {
-        let cells = fields(line);
-        let number = |k: usize| cells[k].parse::<f64>().ok();
-        let [energies, last] = of_scenes.entry(cells[0].clone()).or_default();
-        energies.extend(number(energy).map(f64::to_bits));
-        *last = bits(bounds.into_iter().filter_map(number));
+/// Columns of that table, each with its place in an answer; the bounds are after the first three.
+const OF_LAST: [(&str, &str); 8] = [
+    ("solver", "/solver"),
+    ("v_least", "/v_least"),
+    ("v_greatest", "/v_greatest"),
+    ("energy_lower", "/bound/energy/0"),
+    ("energy_upper", "/bound/energy/1"),
+    ("error_bound", "/bound/error/1"),
+    ("error_relative", "/bound/relative/error"),
+    ("reserve", "/bound/reserve/0"),
+];
+
+/// Fails unless a row of the table has these values of an answer.
+#[track_caller]
+fn has(row: &Row, columns: &[(&str, &str)], json: &Value, what: &str) {
+    for (column, place) in columns {
+        let cell = &row[*column];
+        let is_there = match json.pointer(place) {
+            Some(Value::Number(number)) => cell.parse().ok() == number.as_f64(),
+            Some(Value::String(text)) => cell.split(' ').next() == Some(text),
+            _ => cell.is_empty(),
+        };
+        assert!(is_there, "{column}: {cell}: {what}: {json}");
     }
-    of_scenes
 }
 
-/// Fields of a line in CSV.
-fn fields(line: &str) -> Vec<String> {
-    let (mut fields, mut quoted) = (vec![String::new()], false);
-    for c in line.chars() {
-        match c {
-            '"' => quoted = !quoted,
-            ',' if !quoted => fields.push(String::new()),
-            c => fields.last_mut().unwrap().push(c),
-        }
+/// Checks the rows of a scene under a law among the results of a run.
+fn assert_rows(rows: &[&Row], json: &Value, law: &[&str], what: &str) {
+    let levels = json["grids"].as_array();
+    let levels = levels.map_or(vec![json], |levels| levels.iter().collect());
+    assert_eq!(rows.len(), levels.len(), "{what}");
+    for (row, level) in rows.iter().zip(levels) {
+        has(row, &OF_LEVEL, level, what);
+        let name = law.first().map_or("signorini", |option| option.trim_start_matches('-'));
+        assert!(row["law"] == name && what.contains(&row["law_parameter"]), "{row:?}: {what}");
     }
-    fields
+    // A saddle-point method has no bounds in the table, where its rule stops far from the solution.
+    let columns = if json["sweeps"].is_null() { &OF_LAST[..] } else { &OF_LAST[..3] };
+    has(rows[rows.len() - 1], columns, json, what);
 }
 
 #[test]
@@ -181,32 +184,29 @@ fn a_command_that_is_saved_and_run_has_the_numbers_of_solve_to_the_last_bit() {
                 said.err.contains(&format!("wrote {place}")),
                 "seed {seed}: {words:?} {said:?}"
             );
-            let text = fs::read_to_string(project.path(&place)).unwrap();
+            let text = project.read(&place);
             // A cap on iterations is an end, too.
             assert!(
                 matches!(said.code, Some(0 | 3)) && !said.out.is_empty(),
                 "seed {seed}: {words:?} {said:?}"
             );
-            answers.insert(name, (said.json(), format!("{words:?}\n{text}")));
+            answers.insert(name, (said.json(), *law, format!("seed {seed}: {words:?}\n{text}")));
         }
     }
     assert!(saved >= 100, "{saved}");
     let ran = project.run(&["run", "-k"]);
     assert_eq!(ran.code, Some(0), "{ran:?}");
-    let of_run = of_table(&fs::read_to_string(project.path("report/results.csv")).unwrap());
-    for (name, (json, what)) in &answers {
-        let [energies, bounds] = numbers(json);
-        // A saddle-point method has no bounds in the table, where its rule stops far from the solution.
-        let bounds = if json["sweeps"].is_null() { bounds } else { Vec::new() };
-        assert_eq!(of_run[name], [energies, bounds], "seed {seed}: {name}: {what}");
+    let results = project.results();
+    for (name, (json, law, what)) in &answers {
+        let rows: Vec<_> = results.iter().filter(|row| row["problem"] == *name).collect();
+        assert_rows(&rows, json, law, what);
         // So has the scene, and the command that it is listed with.
         if dice.below(5) == 0 {
             let listed = project.run(&["list", name, "--json"]).json();
-            let words = shlex::split(listed["command"].as_str().unwrap()).unwrap();
-            let mut words: Vec<_> = words.iter().map(String::as_str).skip(1).collect();
-            words.push("--json");
-            for again in [project.run(&words), project.run(&["solve", name, "--json"])] {
-                assert_eq!(numbers(&again.json()), numbers(json), "seed {seed}: {name}: {what}");
+            let command = listed["command"].as_str().unwrap().trim_start_matches("signorini ");
+            let command = project.line(&format!("{command} --json"));
+            for again in [command, project.run(&["solve", name, "--json"])] {
+                assert_eq!(numbers(&again.json()), numbers(json), "{what}");
             }
         }
     }

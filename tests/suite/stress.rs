@@ -1,5 +1,6 @@
 //! Extreme parameters, data, tolerances and starts: no solver may hang, claim what is wrong, or return nonsense.
 
+use crate::common::config;
 use proptest::prelude::*;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::kkt;
@@ -34,7 +35,7 @@ fn what_is_not_a_number_is_never_a_result() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(config(48))]
 
     /// Whatever r, scale and start: the printed and the dual rule together bound the natural residual.
     #[test]

@@ -1,5 +1,6 @@
 //! Fine, stretched and graded meshes of a user's own, which have no coarser one.
 
+use crate::common::{Dice, gmsh_file};
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::levels::Problem;
@@ -8,24 +9,9 @@ use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::solvers::{Run, Settings, Solver, solve};
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
 
-/// Pseudo-random numbers in [0, 1), the same ones on every machine (G. Marsaglia, J. Stat. Software 8 (2003) 14).
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    pub(crate) fn next(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    pub(crate) fn between(&mut self, least: f64, most: f64) -> f64 {
-        least + (most - least) * self.next()
-    }
-
-    pub(crate) fn count(&mut self, least: usize, most: usize) -> usize {
-        least + (self.next() * (most - least) as f64) as usize
-    }
+/// A number from `least` on, below `most`.
+pub(crate) fn count(random: &mut Dice, least: usize, most: usize) -> usize {
+    least + random.below((most - least) as u64) as usize
 }
 
 /// Way in which the cells of a rectangle are stretched.
@@ -47,10 +33,10 @@ pub(crate) struct Rectangle {
 }
 
 impl Rectangle {
-    fn random(random: &mut Random, most_aspect: f64) -> Self {
-        let (columns, rows) = (random.count(8, 45), random.count(8, 45));
-        let stretch = if random.next() < 0.5 { Stretch::Everywhere } else { Stretch::Layers };
-        let aspect = most_aspect.powf(random.next());
+    fn random(random: &mut Dice, most_aspect: f64) -> Self {
+        let (columns, rows) = (count(random, 8, 45), count(random, 8, 45));
+        let stretch = if random.unit() < 0.5 { Stretch::Everywhere } else { Stretch::Layers };
+        let aspect = most_aspect.powf(random.unit());
         Self { columns, rows, stretch, aspect, moved: random.between(0.0, 0.25) }
     }
 
@@ -77,7 +63,7 @@ impl Rectangle {
     }
 
     /// Mesh; a side is free or fixed with the same probability, the one in the south never.
-    pub(crate) fn mesh(&self, random: &mut Random) -> AnyMesh {
+    pub(crate) fn mesh(&self, random: &mut Dice) -> AnyMesh {
         let xs = self.columns();
         let ys: Vec<f64> =
             (0..=self.rows).map(|j| self.height() * j as f64 / self.rows as f64).collect();
@@ -92,7 +78,7 @@ impl Rectangle {
         for j in 0..self.rows {
             for i in 0..self.columns {
                 let [a, b, c, d] = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
-                match random.next() < 0.5 {
+                match random.unit() < 0.5 {
                     true => cells.extend([[a, b, c], [a, c, d]]),
                     false => cells.extend([[a, b, d], [b, c, d]]),
                 }
@@ -109,7 +95,7 @@ impl Rectangle {
             facets.push(Facet { nodes, part: 3 });
         }
         let parts = ["south", "north", "west", "east"].into_iter().map(|name| {
-            let condition = match random.next() {
+            let condition = match random.unit() {
                 low if low < 0.15 && name != "south" => Condition::Fixed,
                 low if low < 0.3 && name != "south" => Condition::Free,
                 _ => Condition::Contact,
@@ -131,19 +117,19 @@ fn moved(places: &[f64], k: usize, by: f64) -> f64 {
 }
 
 /// Random problem on a random rectangle; none if the flux cannot balance f.
-pub(crate) fn random_problem(random: &mut Random, most_aspect: f64) -> Option<Problem> {
+pub(crate) fn random_problem(random: &mut Dice, most_aspect: f64) -> Option<Problem> {
     let rectangle = Rectangle::random(random, most_aspect);
     random_problem_on(&rectangle, random, 0)
 }
 
 /// Random problem on a rectangle that is refined so often; none if the flux cannot balance f.
-fn random_problem_on(rectangle: &Rectangle, random: &mut Random, times: usize) -> Option<Problem> {
+fn random_problem_on(rectangle: &Rectangle, random: &mut Dice, times: usize) -> Option<Problem> {
     let mesh = rectangle.mesh(random);
     let (x, y) = (random.between(0.2, 0.8), rectangle.height() * random.between(0.2, 0.8));
     let [within, beyond] = [random.between(-9.0, 9.0), random.between(-6.0, 0.0)];
     let f = format!("rect(-9,{x},-9,{y})={within}; else={beyond}");
     let flux = random.between(0.2, 4.0) * rectangle.height().min(1.0);
-    let law = match random.count(0, 3) {
+    let law = match count(random, 0, 3) {
         0 => Law::SIGNORINI,
         1 => Law::new(0.0, flux).unwrap(),
         _ => Law::new(-flux, flux).unwrap(),
@@ -157,7 +143,7 @@ fn run(problem: &Problem, solver: Solver) -> Run {
 
 #[test]
 fn stretched_meshes_are_solved_to_rounding_errors_under_any_law() {
-    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    let mut random = Dice(0x9e37_79b9_7f4a_7c15);
     let (mut solved, mut most) = (0, 0);
     while solved < 120 {
         let Some(problem) = random_problem(&mut random, 30.0) else { continue };
@@ -173,7 +159,7 @@ fn stretched_meshes_are_solved_to_rounding_errors_under_any_law() {
 
 #[test]
 fn stretched_meshes_have_the_energy_of_the_active_set_method() {
-    let mut random = Random(0x2545_f491_4f6c_dd1d);
+    let mut random = Dice(0x2545_f491_4f6c_dd1d);
     let mut compared = 0;
     while compared < 25 {
         let Some(problem) = random_problem(&mut random, 300.0) else { continue };
@@ -188,7 +174,7 @@ fn stretched_meshes_have_the_energy_of_the_active_set_method() {
 fn an_unrefined_mesh_is_solved_in_few_steps() {
     let graded =
         Rectangle { columns: 120, rows: 90, stretch: Stretch::Layers, aspect: 1000.0, moved: 0.0 };
-    let mesh = graded.mesh(&mut Random(7));
+    let mesh = graded.mesh(&mut Dice(7));
     let f = "rect(-9,0.5,-9,0.5)=-6; else=1";
     let problem = Problem::on_mesh(&mesh, 0, f, Law::SIGNORINI).unwrap();
     let run = run(&problem, Solver::Multigrid);
@@ -207,11 +193,11 @@ fn steps(problem: &Problem) -> usize {
 
 #[test]
 fn refined_stretched_meshes_are_solved_by_aggregates() {
-    let mut random = Random(0x853c_49e6_748f_ea9b);
+    let mut random = Dice(0x853c_49e6_748f_ea9b);
     let mut solved = 0;
     while solved < 24 {
-        let aspect = 1000f64.powf(random.next());
-        let [columns, rows] = [random.count(4, 12), random.count(4, 12)];
+        let aspect = 1000f64.powf(random.unit());
+        let [columns, rows] = [0; 2].map(|_| count(&mut random, 4, 12));
         let stretch = Stretch::Everywhere;
         let rectangle = Rectangle { columns, rows, stretch, aspect, moved: 0.0 };
         let Some(problem) = random_problem_on(&rectangle, &mut random, 3) else { continue };
@@ -224,11 +210,11 @@ fn refined_stretched_meshes_are_solved_by_aggregates() {
 
 #[test]
 fn refined_sheared_cells_are_solved_at_least_by_factors() {
-    let mut random = Random(0xd1b5_4a32_d192_ed03);
+    let mut random = Dice(0xd1b5_4a32_d192_ed03);
     let mut solved = 0;
     while solved < 24 {
-        let aspect = 1000f64.powf(random.next());
-        let [columns, rows] = [random.count(4, 12), random.count(4, 12)];
+        let aspect = 1000f64.powf(random.unit());
+        let [columns, rows] = [0; 2].map(|_| count(&mut random, 4, 12));
         let (moved, stretch) = (random.between(0.0, 0.1), Stretch::Everywhere);
         let rectangle = Rectangle { columns, rows, stretch, aspect, moved };
         let Some(problem) = random_problem_on(&rectangle, &mut random, 3) else { continue };
@@ -240,43 +226,35 @@ fn refined_sheared_cells_are_solved_at_least_by_factors() {
     }
 }
 
-/// Mesh of a plate 1 x 1 x `height`, with so many cuboids along each side, of six tetrahedra each.
+/// Corners of Kuhn's six tetrahedra of a cuboid, from its first corner to the last along the axes in each order, in the
+/// order of nodes of the program's own cube, by which refinement divides cells.
+pub(crate) fn tetrahedra(first: [usize; 3]) -> [[[usize; 3]; 4]; 6] {
+    [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]].map(|axes| {
+        let mut corners = [first; 4];
+        for (k, axis) in axes.into_iter().enumerate() {
+            corners[k + 1] = corners[k];
+            corners[k + 1][axis] += 1;
+        }
+        if (axes[0] + 1) % 3 != axes[1] {
+            corners.swap(1, 3);
+        }
+        corners
+    })
+}
+
+/// All triples of numbers below these, the first the fastest.
+pub(crate) fn positions([x, y, z]: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
+    (0..x * y * z).map(move |k| [k % x, k / x % y, k / x / y])
+}
+
+/// Mesh of a plate 1 x 1 x `height`, with so many cuboids along each side.
 fn plate(along: usize, height: f64) -> AnyMesh {
     let side = along + 1;
+    let scale = [1.0, 1.0, height].map(|size| size / along as f64);
+    let point = |at: [usize; 3]| std::array::from_fn(|d| scale[d] * at[d] as f64);
     let node = |at: [usize; 3]| (at[0] + side * (at[1] + side * at[2])) as u32;
-    let width = 1.0 / along as f64;
-    let mut points = Vec::new();
-    let mut cells = Vec::new();
-    for k in 0..side {
-        for j in 0..side {
-            points.extend(
-                (0..side).map(|i| [width * i as f64, width * j as f64, width * height * k as f64]),
-            );
-        }
-    }
-    // Kuhn's tetrahedra: from the first corner to the last along the axes in each order.
-    for first in (0..along.pow(3)).map(|n| [n % along, n / along % along, n / along / along]) {
-        for (axes, is_even) in [
-            ([0, 1, 2], true),
-            ([1, 2, 0], true),
-            ([2, 0, 1], true),
-            ([0, 2, 1], false),
-            ([2, 1, 0], false),
-            ([1, 0, 2], false),
-        ] {
-            let mut at = first;
-            let mut cell = [node(at); 4];
-            for (corner, axis) in cell[1..].iter_mut().zip(axes) {
-                at[axis] += 1;
-                *corner = node(at);
-            }
-            // Refinement divides cells by the order of their nodes; this is that of the program's own cube.
-            if !is_even {
-                cell.swap(1, 3);
-            }
-            cells.push(cell);
-        }
-    }
+    let points = positions([side; 3]).map(point).collect();
+    let cells = positions([along; 3]).flat_map(tetrahedra).map(|cell| cell.map(node)).collect();
     let data = MeshData { points, cells, ..MeshData::default() };
     data.mesh().expect("a mesh").into()
 }
@@ -294,15 +272,6 @@ fn refined_plates_are_solved_by_aggregates() {
     }
 }
 
-/// Gmsh file of two triangles of a rectangle 1 x `height`.
-fn two_triangles(height: f64) -> String {
-    format!(
-        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n\
-         $Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 {height} 0\n4 0 {height} 0\n$EndNodes\n\
-         $Elements\n2\n1 2 2 1 1 1 2 3\n2 2 2 1 1 1 3 4\n$EndElements\n"
-    )
-}
-
 #[test]
 fn an_accuracy_takes_no_more_nodes_than_uniform_refinement() {
     const WANTED: f64 = 0.1;
@@ -311,7 +280,8 @@ fn an_accuracy_takes_no_more_nodes_than_uniform_refinement() {
     for (height, (law, f)) in
         [(0.1, papers), (0.01, papers), (1e-4, papers), (0.2, friction), (0.02, friction)]
     {
-        let file = two_triangles(height);
+        let nodes = format!("1 0 0 0\n2 1 0 0\n3 1 {height} 0\n4 0 {height} 0");
+        let file = gmsh_file(&nodes, "1 2 2 1 1 1 2 3\n2 2 2 1 1 1 3 4");
         let solved = |fineness: Fineness| {
             let usual = Statement::usual(Domain::named("long.msh"), f);
             let solved = Statement { law, fineness, ..usual }.solved(Some(file.as_bytes()));

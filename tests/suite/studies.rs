@@ -1,6 +1,6 @@
 //! Studies: members as single solves, tables, charts, interrupts and refusals; and what calls the program from Python.
 
-use crate::common::{Project, Said, TABLE, interrupt, send, skip, wait_for_handler};
+use crate::common::{Project, Said, TABLE, rows, send, skip, wait_for_handler};
 use serde_json::Value;
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -23,84 +23,22 @@ fn four() -> Project {
     with(F, lines)
 }
 
-/// Rows of the table of a study in CSV, each with its cells by column.
-fn rows(project: &Project, file: &str) -> Vec<Value> {
-    let text = fs::read_to_string(project.path(file)).unwrap();
-    let mut lines = text.lines();
-    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let cells = lines.map(|line| line.splitn(head.len(), ','));
-    let rows =
-        cells.map(|cells| head.iter().zip(cells).map(|(name, cell)| (*name, cell)).collect());
-    rows.collect()
-}
-
-#[test]
-fn members_are_single_solves_to_the_last_bit() {
-    let project = four();
-    let said = project.run(&["run", "s"]);
-    assert!(
-        said.err.contains("s: no-solution with ")
-            && said.err.contains("; report/tables/s.csv says why"),
-        "{said:?}"
-    );
-    assert_eq!(said.code, Some(0), "{said:?}");
-    let files = "wrote figures/s-chart.csv, .svg, report/tables/s.csv, .md, .tex\n";
-    assert!(said.out.ends_with(files), "{said:?}");
-    let mut solved = 0;
-    for row in rows(&project, "report/tables/s.csv") {
-        let [g, h] = ["friction", "h"].map(|name| row[name].as_str().unwrap());
-        let single = project.run(&["solve", "--f", F, "--friction", g, "--h", h, "--json"]);
-        if single.code != Some(0) {
-            assert!(!row["reason"].as_str().unwrap().is_empty() && row["energy"] == "", "{row}");
-            continue;
-        }
-        solved += 1;
-        let single = single.json();
-        let bound = &single["bound"];
-        for (column, value) in [
-            ("energy", &single["energy"]),
-            ("energy_lower", &bound["energy"][0]),
-            ("energy_upper", &bound["energy"][1]),
-            ("error_relative", &bound["relative"]["error"]),
-            ("v_least", &single["v_least"]),
-            ("v_greatest", &single["v_greatest"]),
-            ("force", &single["force"]),
-            ("nodes", &single["unknowns"]),
-            ("iterations", &single["iterations"]),
-        ] {
-            assert_eq!(row[column], value.to_string(), "{column} of {row}");
-        }
-        assert_eq!(row["solver"], single["solver"]);
-    }
-    assert_eq!(solved, 2);
-    let chart = fs::read_to_string(project.path("figures/s-chart.csv")).unwrap();
-    assert_eq!(chart.lines().count(), 1 + solved, "{chart}");
-}
-
 #[test]
 fn options_scenes_and_saved_scenes_are_one_study() {
     let project = four();
-    let options = ["--vary", "friction=0.1,1", "--vary", "h=1/8,16"];
-    let mut saves = vec!["solve", "--f", F, "--save", "saved", "--csv", "by-options.csv"];
-    saves.extend(options);
-    project.run(&saves).lines();
+    let options = format!("solve --f '{F}' --vary friction=0.1,1 --vary h=1/8,16");
+    project.line(&format!("{options} --save saved --csv by-options.csv")).lines();
     project.run(&["run", "-k", "s", "saved"]).lines();
     project.run(&["solve", "saved", "--csv", "of-scene.csv"]).lines();
-    let read = |path: &str| fs::read_to_string(project.path(path)).unwrap();
+    let csv = project.read("by-options.csv");
     for path in ["report/tables/s.csv", "report/tables/saved.csv", "of-scene.csv"] {
-        assert_eq!(read(path), read("by-options.csv"), "{path}");
+        assert_eq!(project.read(path), csv, "{path}");
     }
-    let json = project.run(&[&["solve", "--f", F, "--json"][..], &options].concat());
-    let lines: Vec<Value> = json.lines().iter().map(|l| serde_json::from_str(l).unwrap()).collect();
+    let json = project.line(&format!("{options} --json"));
+    let lines: Vec<Value> = json.lines().iter().map(|line| line.parse().unwrap()).collect();
     assert_eq!(lines.len(), 4);
-    assert_eq!(lines[2]["friction"], 1);
-    assert_eq!(lines[2]["h"], 0.125);
-    assert_eq!(
-        lines[2]["energy"].to_string(),
-        rows(&project, "of-scene.csv")[2]["energy"].as_str().unwrap()
-    );
-    let text = project.run(&[&["solve", "--f", F][..], &options].concat());
-    assert!(text.lines().iter().all(|line| line.len() <= 80), "{text:?}");
+    assert_eq!([&lines[2]["friction"], &lines[2]["h"]], [&1.into(), &Value::from(0.125)]);
+    assert_eq!(lines[2]["energy"].to_string(), rows(&csv)[2]["energy"]);
 }
 
 /// Study of so many members.
@@ -108,15 +46,6 @@ fn of(members: usize) -> Project {
     let values: Vec<_> = (1..=members).map(|k| format!("{}", 1.0 + k as f64 / 1000.0)).collect();
     let values = values.join(", ");
     with(F, &format!("h = \"1/4\"\nvary = {{ friction = [{values}] }}\noutputs = [\"table\"]"))
-}
-
-#[test]
-fn a_thousand_members_are_solved_once() {
-    let project = of(1000);
-    let said = project.run(&["run", "s"]);
-    assert!(said.lines().iter().any(|line| line.starts_with("solve     1000 of 1000")), "{said:?}");
-    project.run(&["run", "s"]).nothing_to_do();
-    assert_eq!(rows(&project, "report/tables/s.csv").len(), 1000);
 }
 
 #[test]
@@ -133,11 +62,7 @@ fn killed_and_interrupted_studies_go_on_where_they_were() {
         let ran =
             lines.by_ref().filter(|l| l.as_ref().is_ok_and(|l| l.starts_with("ran "))).take(20);
         assert_eq!(ran.count(), 20);
-        if signal == "INT" {
-            interrupt(&child);
-        } else {
-            send(signal, &child);
-        }
+        send(signal, &child);
         let before = 20 + lines.filter(|l| l.as_ref().is_ok_and(|l| l.starts_with("ran "))).count();
         child.wait().unwrap();
         let after = project.run(&["run", "-v", "s"]).ran().len();
@@ -184,34 +109,6 @@ fn arcs_that_stick_shrink_exponentially_as_friction_gets_weaker() {
         let rate = fall.ln() / (1.0 / number(next, "friction") - 1.0 / number(one, "friction"));
         assert!((5.5..7.5).contains(&rate), "{rate}: {one} {next}");
     }
-}
-
-#[test]
-fn pictures_for_print_have_a_width_and_no_title() {
-    let project = with(
-        F,
-        "law = { friction = 1 }\noutputs = [\"map\"]\npicture = { width = \"85mm\", title = false }",
-    );
-    project.run(&["run", "s"]).lines();
-    let map = fs::read_to_string(project.path("figures/s-map.svg")).unwrap();
-    assert!(
-        map.contains(" width=\"85mm\" height=\"") && map.contains("<title>Map of v: t</title>"),
-        "{map}"
-    );
-    let args = ["solve", "s", "--map", "--no-title", "--width", "85mm", "--out", "v.svg"];
-    project.run(&args).lines();
-    let drawn = |path: &str| {
-        let text = fs::read_to_string(project.path(path)).unwrap();
-        text.lines()
-            .filter(|l| !l.starts_with("<title>") && !l.starts_with("<desc>"))
-            .collect::<Vec<_>>()
-            .join("\n")
-    };
-    assert_eq!(drawn("v.svg"), drawn("figures/s-map.svg"));
-    let said = project.run(&["solve", "s", "--width", "5 ells", "--out", "v.svg"]);
-    assert!(said.code == Some(2) && said.err.contains("such as 85mm"), "{said:?}");
-    let said = project.run(&["solve", "s", "--no-title", "--out", "v.npz"]);
-    assert!(said.refusal().contains("--no-title is for a picture"), "{said:?}");
 }
 
 /// Runs Python with the module of this project and the program that the tests built; none without NumPy.

@@ -1,7 +1,6 @@
 //! What a person sees: colours, bars and columns, as far as the terminal can show them.
 
-use crate::common::{EVERYTHING, Project, TABLE, TALK, skip, wanting};
-use std::fs;
+use crate::common::{Project, TABLE, TALK, skip};
 use std::process::{Command, Stdio};
 
 #[test]
@@ -110,20 +109,6 @@ fn terminals_get_what_they_can_show() {
     for env in [&[("TERM", "dumb")][..], &[("TERM", "xterm"), ("NO_COLOR", "1")]] {
         assert!(!shown("status", env).unwrap().contains('\x1b'), "{env:?}");
     }
-}
-
-#[test]
-fn run_says_why_and_how_long_on_standard_error() {
-    let project = Project::with(&wanting(EVERYTHING));
-    project.run(&["run"]).lines();
-    project.scene("a", &wanting(EVERYTHING).replace("else=-1", "else=-2"));
-    fs::remove_file(project.path(".signorini/v2/tasks/solve/a/signed/r=1.runs")).unwrap();
-    let said = project.run(&["run"]);
-    assert!(said.err.contains("(parameter f: else=-1 -> else=-2; 2 tasks for other reasons)"));
-    assert!(said.out.contains("  parameter f: else=-1 -> else=-2; "));
-    let clock = said.err.lines().last().unwrap();
-    assert!(clock.starts_with("took "), "{clock}");
-    assert_eq!(project.run(&["run"]).err, "", "nothing to say of nothing");
 }
 
 #[test]

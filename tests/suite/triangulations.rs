@@ -1,22 +1,13 @@
-//! Problems on triangulations: closed forms, unlike solvers, guaranteed brackets, and the command line.
+//! Problems on triangulations: closed forms, unlike solvers, and guaranteed brackets.
 
-use crate::common::{Dice, Project, TABLE};
+use crate::common::{Dice, mesh};
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::levels::Problem;
-use signorini_mathematics::mesh::{AnyMesh, Condition, gmsh};
+use signorini_mathematics::mesh::{AnyMesh, Condition};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
 use signorini_mathematics::solvers::{Run, Settings, Solver, solve};
 use std::f64::consts::PI;
-use std::fs;
-
-/// Domains of the tests: built-in ones, and files in `tests/meshes/`.
-fn mesh(name: &str) -> AnyMesh {
-    AnyMesh::built_in(name).unwrap_or_else(|| {
-        let path = format!("{}/tests/meshes/{name}.msh", env!("CARGO_MANIFEST_DIR"));
-        gmsh::read(&fs::read(path).unwrap()).unwrap()
-    })
-}
 
 fn solved(problem: &Problem, solver: Solver) -> Run {
     solve(problem, &Settings::of(solver)).unwrap()
@@ -119,26 +110,4 @@ fn the_papers_method_on_the_cube_ends_at_the_solution() {
     assert_eq!(run.end.stop, Stop::Converged);
     let apart = y.iter().zip(&pair.y).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
     assert!(apart < 1e-8, "{apart:e}");
-}
-
-#[test]
-fn the_command_solves_on_a_file_and_on_a_domain() {
-    let gear = format!("{}/tests/meshes/gear.msh", env!("CARGO_MANIFEST_DIR"));
-    let f = "rect(-2,0,-2,0)=-6; else=1";
-    let project = Project::with(TABLE);
-    for (domain, more) in [(gear.as_str(), ["--free", "hole"]), ("disc", ["--refine", "2"])] {
-        for solver in ["multigrid", "active-set", "arrow-hurwicz", "uzawa", "uzawa-proximal"] {
-            let args =
-                [&["solve", "--json", "--f", f, "--solver", solver, "--domain", domain], &more[..]]
-                    .concat();
-            let said = project.run(&args);
-            assert_eq!(said.code, Some(0), "{solver}: {said:?}");
-            let json = said.json();
-            let energy = json["energy"].as_f64().unwrap();
-            let bracket = json["bound"]["energy"].as_array().unwrap();
-            let [low, high] = [0, 1].map(|end| bracket[end].as_f64().unwrap());
-            assert!(low <= energy + 1e-6 && energy <= high + 1e-6, "{solver}: {json}");
-            assert_eq!(json["contact"].as_array().unwrap().len(), 1, "{solver}");
-        }
-    }
 }

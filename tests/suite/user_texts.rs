@@ -43,7 +43,7 @@ fn a_cell_shows_the_text_of_the_user_as_it_is() {
     project.scene("t", formulas);
     project.add_book("# One\n\n{{#include tables/s.md}}\n\n{{#include tables/t.md}}\n");
     project.run(&["run"]).lines();
-    let read = |path: &str| fs::read_to_string(project.path(path)).unwrap();
+    let read = |path: &str| project.read(path);
     let shown = cells(&read("report/tables/s.md"));
     for name in meshes {
         assert!(shown.iter().any(|cell| cell == &format!("meshes/{name}")), "{name}: {shown:?}");
@@ -103,39 +103,5 @@ fn a_figure_is_found_by_its_name_whatever_signs_it_has() {
             let file = percent_encoding::percent_decode_str(address).decode_utf8().unwrap();
             assert!(!file.starts_with("figures/") || book.contains_key(&*file), "{address}");
         }
-    }
-}
-
-#[test]
-fn what_is_not_solved_is_refused_with_the_way_around() {
-    let project = Project::with(TABLE);
-    let solve = |more: &[&str]| {
-        let said = project.run(&[&["solve", "--f", "else=-1"], more].concat());
-        said.refusal().to_owned()
-    };
-    let asked: [(&[&str], &str); 9] = [
-        (&["--obstacle", "0.1"], "v becomes v + c"),
-        (&["--gap=0.1"], "v becomes v + c"),
-        (&["--dirichlet", "1"], "holds v at 0"),
-        (&["--neumann", "left=1"], "follows from the law"),
-        (&["--material", "1"], "divides f"),
-        (&["--coefficient", "core=3"], "divides f"),
-        (&["--vary", "obstacle=1,2"], "v becomes v + c"),
-        (&["--friction", "rim=0.3"], "on all parts in contact"),
-        (&["--domain", "annulus", "--fixed", "inner=2"], "name the part alone"),
-    ];
-    for (more, way) in asked {
-        let refusal = solve(more);
-        assert!(refusal.contains(way) && !refusal.contains("tip:"), "{more:?}: {refusal}");
-    }
-    for (line, way) in [
-        ("obstacle = 0.1", "v becomes v + c"),
-        ("law = { friction = { rim = 0.3 } }", "on all parts in contact"),
-        ("domain = { name = \"annulus\", fixed = [\"inner=2\"] }", "name the part alone"),
-    ] {
-        let scene = "title = \"B\"\nf = \"else=-1\"\noutputs = [\"table\"]\n";
-        project.scene("b", &format!("{scene}{line}\n"));
-        let said = project.run(&["run", "b"]);
-        assert!(said.refusal().contains(way), "{line}: {said:?}");
     }
 }

@@ -1,7 +1,8 @@
 //! The controls of the page with the live iteration, pressed in a browser as a reader would.
 
 use super::{book, notes, signorini};
-use crate::common::{browser, skip};
+use crate::browser::browser;
+use crate::common::skip;
 use serde_json::{Value, json};
 
 /// Goes through the controls, and notes what the page says.

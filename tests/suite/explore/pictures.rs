@@ -1,7 +1,8 @@
 //! The pictures of the page with the live iteration: axes with ticks, and words that are neither cut nor overlap.
 
 use super::{book, notes};
-use crate::common::{browser, skip};
+use crate::browser::browser;
+use crate::common::skip;
 
 /// Draws the pictures of right-hand sides of several sizes, and notes the words in them with their boxes.
 const LOOK: &str = r#"
