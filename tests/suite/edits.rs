@@ -43,8 +43,11 @@ impl Kind {
     }
 }
 
+/// Kinds of scenes, a key that they have, and values of it.
+type Key = (Vec<Kind>, &'static str, Vec<&'static str>);
+
 /// Keys of scenes of some kinds, with values of each.
-pub(crate) static KEYS: LazyLock<Vec<(Vec<Kind>, &str, Vec<&str>)>> = LazyLock::new(|| {
+pub(crate) static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
     let lines = include_str!("edits/keys.txt").lines().filter(|line| !line.starts_with('#'));
     let keys = lines.map(|line| {
         let mut parts = line.split(" ¦ ");
