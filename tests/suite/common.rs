@@ -1,5 +1,6 @@
 //! A small project in a temporary folder, and the binary run in it.
 
+use crate::explore::book;
 pub(crate) use crate::samples::{
     Dice, Row, config, gmsh_file, mesh, mesh_path, paper_problems, random_source, rows,
 };
@@ -181,15 +182,19 @@ impl Project {
         self.write("report/templates/one.md", page);
     }
 
-    /// A copy of the project that these tests belong to, with the cache that `SIGNORINI_TEST_CACHE` names, if it does.
-    pub(crate) fn whole() -> Self {
+    /// A copy of the project that these tests belong to.
+    pub(crate) fn copied() -> Self {
         let project = Self::empty();
         for part in ["pipeline", "report", "figures"] {
             copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join(part), &project.path(part));
         }
-        if let Some(cache) = std::env::var_os("SIGNORINI_TEST_CACHE") {
-            copy(Path::new(&cache), &project.path(".signorini"));
-        }
+        project
+    }
+
+    /// A copy of the project that these tests belong to, with the cache of the run that made the book of all tests.
+    pub(crate) fn whole() -> Self {
+        let project = Self::copied();
+        copy(&book().join("../../.signorini"), &project.path(".signorini"));
         project
     }
 

@@ -2,7 +2,6 @@
 
 use crate::common::{EVERYTHING, Project, TABLE, assert_same, skip, wanting};
 use std::collections::BTreeMap;
-use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -188,50 +187,7 @@ fn asked(project: &Project) -> usize {
 }
 
 /// Characters that are special to a shell, to Python or to Snakemake.
-#[cfg(unix)]
 const SPECIAL: &str = "a b'c\"d#e$HOME%f:g=h(i)&j~k!`l`é";
-
-/// The one program in a folder with a special name, and a project in another.
-#[cfg(unix)]
-fn in_special_folders() -> (tempfile::TempDir, PathBuf, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    let program = folder.path().join(format!("program {SPECIAL}")).join("signorini");
-    let project = folder.path().join(format!("project {SPECIAL}"));
-    fs::create_dir(program.parent().unwrap()).unwrap();
-    fs::copy(env!("CARGO_BIN_EXE_signorini"), &program).unwrap();
-    fs::create_dir_all(project.join("pipeline/scenes")).unwrap();
-    fs::create_dir(project.join("report")).unwrap();
-    fs::write(project.join("pipeline/scenes/it's $HOME.toml"), TABLE).unwrap();
-    (folder, program, project)
-}
-
-/// A command in a folder, which succeeds; what it prints.
-#[cfg(unix)]
-#[track_caller]
-fn succeeds(folder: &Path, program: impl AsRef<OsStr>, args: &[&str]) -> Vec<u8> {
-    let mut command = Command::new(program);
-    command.args(args).current_dir(folder).stdin(Stdio::null());
-    let output = command.output().unwrap();
-    assert!(output.status.success(), "{args:?}: {output:?}");
-    output.stdout
-}
-
-/// Exports a workflow with the cache in the project, and with one elsewhere, and runs each with its engine.
-#[cfg(unix)]
-fn runs_in_special_folders(form: &str, command: &str, args: &[&str]) {
-    let (folder, program, project) = in_special_folders();
-    let elsewhere = folder.path().join(format!("cache {SPECIAL}"));
-    let elsewhere = elsewhere.to_str().unwrap();
-    for (cache, options) in [(".signorini", &[][..]), (elsewhere, &["--cache-dir", elsewhere])] {
-        let text = succeeds(&project, &program, &[&["dag", form], options].concat());
-        fs::write(project.join("workflow"), text).unwrap();
-        succeeds(&project, command, args);
-        let stamps = fs::read_dir(project.join(cache).join("v2/stamps")).unwrap().count();
-        assert_eq!(stamps, 3, "two cells and their table");
-        let said = succeeds(&project, &program, &[&["run", "-v"], options].concat());
-        assert!(!String::from_utf8_lossy(&said).contains(" ran "), "{said:?}");
-    }
-}
 
 #[test]
 #[cfg(unix)]
@@ -239,8 +195,33 @@ fn snakemake_runs_a_program_and_a_project_in_folders_with_special_names() {
     if !is_there("snakemake") {
         return skip(NO_SNAKEMAKE);
     }
-    let args = ["--cores", "1", "--quiet", "all", "--snakefile", "workflow"];
-    runs_in_special_folders("--snakemake", "snakemake", &args);
+    let folder = tempfile::tempdir().unwrap();
+    let [program, project, elsewhere] =
+        ["program", "project", "cache"].map(|name| folder.path().join(format!("{name} {SPECIAL}")));
+    fs::create_dir(&program).unwrap();
+    let program = program.join("signorini");
+    fs::copy(env!("CARGO_BIN_EXE_signorini"), &program).unwrap();
+    fs::create_dir_all(project.join("pipeline/scenes")).unwrap();
+    fs::create_dir(project.join("report")).unwrap();
+    fs::write(project.join("pipeline/scenes/it's $HOME.toml"), TABLE).unwrap();
+    let succeeds = |program: &Path, args: &[&str]| {
+        let mut command = Command::new(program);
+        let output = command.args(args).current_dir(&project).stdin(Stdio::null()).output().unwrap();
+        assert!(output.status.success(), "{args:?}: {output:?}");
+        output.stdout
+    };
+    // The cache in the project, and elsewhere.
+    for cache in [project.join(".signorini"), elsewhere] {
+        let options = ["--cache-dir", cache.to_str().unwrap()];
+        let text = succeeds(&program, &[&["dag", "--snakemake"], &options[..]].concat());
+        fs::write(project.join("workflow"), text).unwrap();
+        let args = ["--cores", "1", "--quiet", "all", "--snakefile", "workflow"];
+        succeeds(Path::new("snakemake"), &args);
+        let stamps = fs::read_dir(cache.join("v2/stamps")).unwrap().count();
+        assert_eq!(stamps, 3, "two cells and their table");
+        let said = succeeds(&program, &[&["run", "-v"], &options[..]].concat());
+        assert!(!String::from_utf8_lossy(&said).contains(" ran "), "{said:?}");
+    }
 }
 
 #[test]
@@ -317,16 +298,8 @@ fn snakemake_submits_to_a_cluster() {
     }
     // The cluster is this machine, which takes a job as a script in the background.
     let submit = "sh -c 'nohup sh \"$0\" > /dev/null 2>&1 & echo $!'";
-    let args = [
-        "--executor",
-        "cluster-generic",
-        "--cluster-generic-submit-cmd",
-        submit,
-        "--jobs",
-        "2",
-        "--latency-wait",
-        "30",
-    ];
+    let args = "--executor cluster-generic --jobs 2 --latency-wait 30 --cluster-generic-submit-cmd";
+    let args: Vec<_> = args.split(' ').chain([submit]).collect();
     if snakemake(&project, &args).is_some() {
         assert_done(&project, &made_at_once(|| many(8)));
     }

@@ -168,6 +168,10 @@ fn project() -> &'static Path {
         }
         fs::create_dir_all(&project).unwrap();
         fs::write(project.join("build"), build).unwrap();
+        // `.ci/run` has made one already.
+        if let Some(cache) = std::env::var_os("SIGNORINI_TEST_CACHE") {
+            copy(Path::new(&cache), &project.join(".signorini"));
+        }
         for part in ["pipeline", "report"] {
             // What was removed from the project must not live on in the copy.
             let _ = fs::remove_dir_all(project.join(part));

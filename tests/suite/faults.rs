@@ -64,33 +64,23 @@ fn every_damaged_file_of_the_cache_is_noticed_and_repaired() {
 
 #[test]
 fn a_record_edited_by_hand_removes_no_input_and_nothing_elsewhere() {
-    let place = Project::with(TABLE);
-    place.run(&["init", "study"]).lines();
-    let run = |args: &[&str]| -> Said {
-        place.command(args).current_dir(place.path("study")).output().unwrap().into()
-    };
-    run(&["run"]).lines();
-    let lock = "study/pipeline/lock.toml";
-    place.write("study/notes.txt", "mine");
-    place.write("study/figures/old.svg", "made once");
-    let mut text = place.read(lock);
-    let kept = [
-        "notes.txt",
-        "pipeline/scenes/plate.toml",
-        "report/book.toml",
-        "report/templates/plate.md",
-    ];
+    let project = Project::with(TABLE);
+    project.add_book("# One\n");
+    project.run(&["run"]).lines();
+    project.write("notes.txt", "mine");
+    fs::create_dir_all(project.path("figures")).unwrap();
+    project.write("figures/old.svg", "made once");
+    let mut text = project.read("pipeline/lock.toml");
+    let kept = ["notes.txt", "pipeline/scenes/a.toml", "report/book.toml", "report/templates/one.md"];
     for path in kept.into_iter().chain(["figures/old.svg"]) {
-        let bytes = fs::read(place.path(&format!("study/{path}"))).unwrap();
-        text += &format!("\"{path}\" = \"{}\"\n", signorini::pipeline::hash(&bytes));
+        let hash = signorini::pipeline::hash(&fs::read(project.path(path)).unwrap());
+        text += &format!("\"{path}\" = \"{hash}\"\n");
     }
-    place.write(lock, text);
-    let said = run(&["run"]);
+    project.write("pipeline/lock.toml", text);
+    let said = project.run(&["run"]);
     assert!(said.lines().contains(&"removed figures/old.svg"), "{said:?}");
-    assert!(!place.path("study/figures/old.svg").exists());
-    for path in kept {
-        assert!(place.path(&format!("study/{path}")).exists(), "{path}");
-    }
+    assert!(!project.path("figures/old.svg").exists());
+    assert!(kept.iter().all(|path| project.path(path).exists()));
 }
 
 #[test]

@@ -7,7 +7,7 @@ use crate::edits::number;
 use std::process::{Command, Stdio};
 
 /// Seconds after which a command counts as hung, on a machine that may be busy.
-const LONGEST: &str = "60";
+const LONGEST: &str = "600";
 
 /// Chooses at random, and what is wrong in some of its choices.
 struct Chooser {

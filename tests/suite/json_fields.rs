@@ -104,50 +104,42 @@ fn agree(answers: &[Value], documented: &Fields) {
     assert!(gone.is_empty(), "lines of the book without a field: {gone:?}");
 }
 
-const MESH: &str = "halfplane(0,1,0)=-3; else=1.5";
-const SOURCE: &str = "rect(-0.25,0.25,-0.25,0.25)=4; else=-1.5";
-
 #[test]
 fn each_field_of_solve_has_a_line_in_the_book_and_each_line_a_field() {
     let project = Project::with(TABLE);
-    let mut answers = vec![project.run(&["solve", "a", "--r", "3", "--json"]).json()];
-    let square: [&[&str]; 12] = [
-        &["--solver", "arrow-hurwicz", "--stop", "signed"],
-        &["--solver", "uzawa"],
-        &["--solver", "uzawa-proximal"],
-        &["--solver", "active-set"],
-        &["--solver", "multigrid", "--tolerance", "1e-6"],
-        &["--friction", "0.4"],
-        &["--limit", "3"],
-        &["--friction", "0.4", "--solver", "spectral"],
-        &["--solver", "spectral"],
-        &["--accuracy", "0.5"],
-        &["--accuracy-energy", "0.1"],
-        &["--max-iterations", "1", "--at", "0.1,0.2"],
-    ];
-    for more in square {
-        let by_itself = ["spectral", "--accuracy", "--accuracy-energy"];
-        let width: &[&str] =
-            if more.iter().any(|word| by_itself.contains(word)) { &[] } else { &["--h", "1/16"] };
-        let args = [&["solve", "--json", "--f", SOURCE], width, more].concat();
-        answers.push(project.run(&args).json());
+    let mut answers = vec![project.answer("a --r 3")];
+    for options in [
+        "--h 1/16 --solver arrow-hurwicz --stop signed",
+        "--h 1/16 --solver uzawa",
+        "--h 1/16 --solver uzawa-proximal",
+        "--h 1/16 --solver active-set",
+        "--h 1/16 --solver multigrid --tolerance 1e-6",
+        "--h 1/16 --friction 0.4",
+        "--h 1/16 --limit 3",
+        "--friction 0.4 --solver spectral",
+        "--solver spectral",
+        "--accuracy 0.5",
+        "--accuracy-energy 0.1",
+        "--h 1/16 --max-iterations 1 --at 0.1,0.2",
+    ] {
+        answers.push(project.answer(&format!("--f 'rect(0,0.25,0,0.25)=4; else=-1.5' {options}")));
     }
-    let others: [&[&str]; 11] = [
+    let mesh = "--f 'halfplane(0,1,0)=-3; else=1.5'";
+    for problem in [
         // Points miss a part of f, so that there is no bound.
-        &["--f", "formula(-1+2.5e3*exp(-1e4*((x-0.1)^2+(y-0.13)^2)))", "--h", "1/8"],
-        &["--domain", "disc", "--f", "else=-1", "--solver", "spectral"],
-        &["--f", "exact(torsion)", "--h", "1/8"],
-        &["--f", "formula(x - 1)", "--h", "1/8", "--recover", "--out", "v.npy"],
-        &["--domain", "disc", "--f", MESH, "--refine", "2"],
-        &["--domain", "disc", "--f", MESH, "--accuracy", "0.3"],
-        &["--domain", "lshape", "--f", "else=-1", "--accuracy-energy", "0.1"],
-        &["--domain", "disc", "--f", MESH, "--refine", "2", "--solver", "arrow-hurwicz"],
-        &["--domain", "annulus", "--f", "else=-1", "--refine", "1", "--friction", "2"],
-        &["--domain", "cube", "--f", "ball(0,0,0,0.25)=2; else=-1", "--h", "1/4"],
-        &["--domain", "cube", "--f", "exact(free-disc)", "--h", "1/4"],
-    ];
-    for more in others {
-        answers.push(project.run(&[&["solve", "--json"], more].concat()).json());
+        "--f 'formula(-1+2.5e3*exp(-1e4*((x-0.1)^2+(y-0.13)^2)))' --h 1/8",
+        "--domain disc --f else=-1 --solver spectral",
+        "--f 'exact(torsion)' --h 1/8",
+        "--f 'formula(x - 1)' --h 1/8 --recover --out v.npy",
+        &format!("--domain disc {mesh} --refine 2"),
+        &format!("--domain disc {mesh} --accuracy 0.3"),
+        "--domain lshape --f else=-1 --accuracy-energy 0.1",
+        &format!("--domain disc {mesh} --refine 2 --solver arrow-hurwicz"),
+        "--domain annulus --f else=-1 --refine 1 --friction 2",
+        "--domain cube --f 'ball(0,0,0,0.25)=2; else=-1' --h 1/4",
+        "--domain cube --f 'exact(free-disc)' --h 1/4",
+    ] {
+        answers.push(project.answer(problem));
     }
     let mut known = of_answers("J");
     // Of members of studies alone.

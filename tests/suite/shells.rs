@@ -56,7 +56,7 @@ fn each_shell_completes_commands_and_their_options() {
         project.write("own.msh", "");
         // A shell that waits for ever is a failure.
         let mut command = Command::new("timeout");
-        command.args(["60", shell, "script"]).current_dir(project.path("."));
+        command.args(["600", shell, "script"]).current_dir(project.path("."));
         let said = command.output().unwrap();
         if said.status.code() == Some(127) {
             skip(&format!("{shell} is not installed"));

@@ -1,9 +1,10 @@
-//! Texts of users, in pages that the program makes and in commands that it prints; names that it refuses.
+//! Texts of users in pages that the program makes.
 
 use crate::common::{Project, TABLE};
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 use signorini::report;
 use std::fs;
+use std::path::Path;
 
 /// Texts of the cells of the tables in Markdown; anything but text in a cell is named.
 fn cells(markdown: &str) -> Vec<String> {
@@ -104,4 +105,41 @@ fn a_figure_is_found_by_its_name_whatever_signs_it_has() {
             assert!(!file.starts_with("figures/") || book.contains_key(&*file), "{address}");
         }
     }
+}
+
+#[test]
+fn the_mathematics_and_the_pipeline_forbid_the_same_characters() {
+    for c in '\0'..=char::MAX {
+        let both = signorini_mathematics::problem::text::is_forbidden(c);
+        assert_eq!(signorini::pipeline::files::is_forbidden(c), both, "{c:?}");
+    }
+}
+
+#[test]
+fn texts_of_the_user_are_escaped_in_every_template() {
+    let templates = Path::new(env!("CARGO_MANIFEST_DIR")).join("report/templates");
+    let (mut shown, mut addresses) = (0, 0);
+    for entry in fs::read_dir(templates).unwrap() {
+        let path = entry.unwrap().path();
+        let Ok(text) = fs::read_to_string(&path) else { continue };
+        // A name in the address of a file or of a part of a page.
+        let beginnings = ["figures/{{", "figure:{{", "figure-{{", "(<data/{{ one"];
+        for rest in beginnings.iter().flat_map(|place| text.split(place).skip(1)) {
+            let name = rest.split("}}").next().unwrap();
+            assert!(name.ends_with("| address "), "{}: {name}", path.display());
+            addresses += 1;
+        }
+        for value in ["scene.title", "one.title", "scene.name", "file.name", "alt", "one.what"] {
+            for rest in text.split(&format!("{{{{ {value}")).skip(1) {
+                let end = rest.split("}}").next().unwrap();
+                // Names of longer values are others.
+                if end.starts_with([' ', '|']) {
+                    assert!(end.contains("| text"), "{}: {value}", path.display());
+                    shown += 1;
+                }
+            }
+        }
+        addresses += text.matches("\"figures/\" ~ (fig.file | address)").count();
+    }
+    assert!(shown >= 3 && addresses >= 5, "{shown} {addresses}");
 }
