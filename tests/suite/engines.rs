@@ -206,7 +206,8 @@ fn snakemake_runs_a_program_and_a_project_in_folders_with_special_names() {
     fs::write(project.join("pipeline/scenes/it's $HOME.toml"), TABLE).unwrap();
     let succeeds = |program: &Path, args: &[&str]| {
         let mut command = Command::new(program);
-        let output = command.args(args).current_dir(&project).stdin(Stdio::null()).output().unwrap();
+        let output =
+            command.args(args).current_dir(&project).stdin(Stdio::null()).output().unwrap();
         assert!(output.status.success(), "{args:?}: {output:?}");
         output.stdout
     };
