@@ -3,10 +3,8 @@
 //!
 //! No file is exempt; code for tests alone does not count.
 
-use crate::common::files_below;
-use crate::layout::paths_after;
+use crate::layout::{code_below, mathematics, modules_of_tests, paths_after, source_folder, without_tests};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
 /// Most items of the mathematics that the program names.
 const ITEMS_OF_THE_MATHEMATICS: usize = 85;
@@ -20,49 +18,11 @@ const METHODS_OF_LEVELS: usize = 15;
 /// Folders of the other packages.
 const OTHER_PACKAGES: [&str; 2] = ["mathematics/", "pipeline/"];
 
-/// Sources of the program by path below `src/`, without comments and what is compiled for tests alone.
+/// Code of the program by path below `src/`.
 fn program() -> BTreeMap<String, String> {
-    sources("src", &OTHER_PACKAGES)
-}
-
-/// Sources below a folder of the project, without those in some folders of it.
-fn sources(folder: &str, without: &[&str]) -> BTreeMap<String, String> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
-    let mut sources = BTreeMap::new();
-    let mut of_tests = BTreeSet::new();
-    for (path, bytes) in files_below(&folder) {
-        if path.ends_with(".rs") && !without.iter().any(|folder| path.starts_with(folder)) {
-            let text = String::from_utf8(bytes).unwrap();
-            let module = path.trim_end_matches(".rs").trim_end_matches("/mod");
-            of_tests
-                .extend(modules_of_tests(&text).into_iter().map(|name| format!("{module}/{name}")));
-            sources.insert(path.clone(), code(&text));
-        }
-    }
-    sources.retain(|path, _| {
-        let module = path.trim_end_matches(".rs").trim_end_matches("/mod");
-        !of_tests.iter().any(|test| module == test || module.starts_with(&format!("{test}/")))
-    });
-    sources
-}
-
-/// Names of the modules in files of their own that a text declares for tests alone.
-fn modules_of_tests(text: &str) -> Vec<&str> {
-    let after = text.split("#[cfg(test)]\n").skip(1);
-    after
-        .filter_map(|rest| rest.lines().next()?.trim().strip_suffix(';')?.rsplit_once("mod "))
-        .map(|(_, name)| name)
-        .collect()
-}
-
-/// Code of a text: without lines of comments, and without the unit tests, which end a file.
-fn code(text: &str) -> String {
-    let tests = text
-        .split_once("#[cfg(test)]\nmod tests {")
-        .or_else(|| text.split_once("#[cfg(test)]\npub(super) mod tests {"));
-    let code = tests.map_or(text, |(code, _)| code);
-    let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
-    lines.collect::<Vec<_>>().join("\n")
+    let mut program = code_below(&source_folder());
+    program.retain(|path, _| !OTHER_PACKAGES.iter().any(|folder| path.starts_with(folder)));
+    program
 }
 
 /// Paths of the mathematics that a code names, one for each item of a group.
@@ -95,7 +55,7 @@ fn public_types(code: &str) -> Vec<&str> {
 
 #[test]
 fn the_mathematics_has_few_public_types() {
-    let sources = sources("src/mathematics/src", &[]);
+    let sources = code_below(&mathematics());
     let found: Vec<_> = sources.values().flat_map(|code| public_types(code)).collect();
     assert!(found.len() > 50, "{found:?}");
     assert!(found.len() <= TYPES_OF_THE_MATHEMATICS, "{}: {found:?}", found.len());
@@ -105,7 +65,7 @@ fn the_mathematics_has_few_public_types() {
 
 #[test]
 fn levels_are_geometry_and_load() {
-    let sources = sources("src/mathematics/src", &[]);
+    let sources = code_below(&mathematics());
     let code = &sources["levels/mod.rs"];
     let (_, methods) = code.split_once("pub trait Levels").expect("the trait");
     let (methods, _) = methods.split_once("\n}\n").expect("its end");
@@ -119,7 +79,7 @@ fn levels_are_geometry_and_load() {
 
 #[test]
 fn names_are_counted_once_each_in_groups_and_in_code() {
-    let code = code(
+    let code = without_tests(
         "use signorini_mathematics::bounds::{self, Bounds, inner::{A, B as C}};\n\
          // use signorini_mathematics::not::This;\n\
          use signorini_mathematics::solvers::Solver;\n\

@@ -20,12 +20,9 @@ fn long() -> Project {
         "b",
         &wanting("[\"surface\", \"source\"]").replace("else=-1", "disc(0,0,0.3)=1; else=-2"),
     );
-    project.write("report/book.toml", "title = \"Killed\"\n");
-    fs::create_dir(project.path("report/templates")).unwrap();
+    project.add_book("# One\n");
     project.write("report/templates/SUMMARY.md", "- [One](one.md)\n- [Two](two.md)\n");
-    for name in ["one", "two"] {
-        project.write(&format!("report/templates/{name}.md.tera"), format!("# {name}\n"));
-    }
+    project.write("report/templates/two.md.tera", "# Two\n");
     project
 }
 

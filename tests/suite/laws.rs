@@ -296,16 +296,3 @@ fn components_may_slip_in_opposite_directions() {
     assert!(left > 0.01, "{left}");
     assert!(judge(network, law, &y, &load).kkt.relative < 1e-9);
 }
-
-#[test]
-fn loads_that_the_flux_cannot_balance_are_refused() {
-    let (_, load) = load_of(16, "else=4");
-    for law in [Law::friction(0.99), Law::limited(3.0)].map(Result::unwrap) {
-        let message = on_square(16, law.with_load(&load)).unwrap_err().to_string();
-        assert!(message.contains("the flux through the boundary can only balance"), "{message}");
-        // On a network, parts of the boundary may be fixed.
-        let other = active_set(16, law, &load).unwrap_err().to_string();
-        assert_eq!(other.split(';').next(), message.split(';').next());
-    }
-    assert!(on_square(16, Law::friction(1.001).unwrap().with_load(&load)).is_ok());
-}

@@ -44,7 +44,7 @@ pub(crate) fn source_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
 }
 
-fn mathematics() -> PathBuf {
+pub(crate) fn mathematics() -> PathBuf {
     source_folder().join("mathematics/src")
 }
 
@@ -76,11 +76,37 @@ fn root(module: &[String]) -> &[String] {
     &module[..usize::from(module.first().is_some_and(|room| room == "pipeline"))]
 }
 
-/// The code of a file; comments and unit tests do not count.
-fn code(file: &Path) -> String {
-    let text = fs::read_to_string(file).unwrap();
-    let text = text.split("\nmod tests {").next().unwrap_or_default();
-    let lines = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+/// Code of the sources below a folder by path from there; comments and what is compiled for tests alone do not count.
+pub(crate) fn code_below(folder: &Path) -> BTreeMap<String, String> {
+    let (mut code, mut of_tests) = (BTreeMap::new(), BTreeSet::new());
+    for (path, bytes) in files_below(folder).into_iter().filter(|(path, _)| path.ends_with(".rs")) {
+        let text = String::from_utf8(bytes).unwrap();
+        let names = modules_of_tests(&text).into_iter();
+        of_tests.extend(names.map(|name| format!("{}/{name}", place(&path))));
+        code.insert(path, without_tests(&text));
+    }
+    let is_of_tests = |place: &str| of_tests.contains(place);
+    code.retain(|path, _| !Path::new(place(path)).ancestors().any(|at| is_of_tests(at.to_str().unwrap())));
+    code
+}
+
+/// Place of the submodules of a file.
+fn place(path: &str) -> &str {
+    path.trim_end_matches(".rs").trim_end_matches("/mod")
+}
+
+/// Names of the modules in files of their own that a text declares for tests alone.
+pub(crate) fn modules_of_tests(text: &str) -> Vec<&str> {
+    let after = text.split("#[cfg(test)]\n").skip(1);
+    let declared = after.filter_map(|rest| rest.lines().next()?.trim().strip_suffix(';'));
+    declared.filter_map(|line| Some(line.rsplit_once("mod ")?.1)).collect()
+}
+
+/// Code of a text: without lines of comments, and without the unit tests, which end a file.
+pub(crate) fn without_tests(text: &str) -> String {
+    let tests = ["mod tests {", "pub(super) mod tests {"].map(|line| format!("#[cfg(test)]\n{line}"));
+    let code = tests.iter().fold(text, |code, tests| code.split(tests.as_str()).next().unwrap());
+    let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
     lines.fold(String::new(), |code, line| code + line + "\n")
 }
 
@@ -139,12 +165,11 @@ fn rooms_use_only_rooms_before_them() {
         }
         let here =
             place(&name).unwrap_or_else(|| panic!("src/{name} has no place among the rooms"));
-        for file in sources(&room) {
-            let code = code(&file);
+        for (file, code) in code_below(&room) {
             let own = paths_after(&code, "crate::");
             for path in own.into_iter().chain(paths_after(&code, "signorini_mathematics::")) {
                 if place(&path[0]).is_none_or(|there| there > here) {
-                    wrong.insert(format!("{} uses {}", file.display(), path[0]));
+                    wrong.insert(format!("{name}/{file} uses {}", path[0]));
                 }
             }
         }
@@ -160,8 +185,8 @@ struct Modules {
 
 impl Modules {
     fn read() -> Self {
-        let files = sources(&source_folder());
-        let code: BTreeMap<_, _> = files.iter().map(|file| (module(file), code(file))).collect();
+        let files = code_below(&source_folder()).into_iter();
+        let code = files.map(|(file, code)| (module(&source_folder().join(file)), code)).collect();
         let mut all = Self { code, imported: BTreeMap::new() };
         for (here, text) in &all.code {
             for path in paths_after(text, "use ") {

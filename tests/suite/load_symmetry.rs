@@ -1,7 +1,7 @@
 //! Loads do not change when a half-plane is scaled, and turn with the cube; those of smooth f fit either diagonal.
 
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
 use signorini_mathematics::mesh::{mesh_load, uniform_cube};
 use signorini_mathematics::problem::shape::Shape;
 
@@ -60,16 +60,6 @@ fn turning_the_cube_turns_the_load() {
             }
         }
     }
-}
-
-#[test]
-fn integrals_of_smooth_f_are_those_of_closed_forms() {
-    // f is -2 pi^2 and -3 pi^2 times the product of the cosines of pi x, pi y (and pi z).
-    let square = integral(&"exact(full-contact)".parse().unwrap());
-    assert!((square + 8.0).abs() < 1e-7, "{square}");
-    let f: Source<3> = "exact(full-contact)".parse().unwrap();
-    let cube = mesh_load(&uniform_cube(8), &f).unwrap().integral;
-    assert!((cube + 24.0 / std::f64::consts::PI).abs() < 1e-5, "{cube}");
 }
 
 #[test]

@@ -201,16 +201,8 @@ fn check(study: &Study, project: &Project) -> usize {
         }
         assert_eq!(alone.code, Some(0), "{shown}: {row} {alone:?}");
         let alone: Value = serde_json::from_str(alone.out.trim()).unwrap();
-        for (column, key) in [
-            ("energy", "energy"),
-            ("v_least", "v_least"),
-            ("v_greatest", "v_greatest"),
-            ("force", "force"),
-            ("nodes", "unknowns"),
-            ("iterations", "iterations"),
-            ("solver", "solver"),
-        ] {
-            assert_eq!(row[column].to_string(), alone[key].to_string(), "{column}: {shown}: {row}");
+        for key in ["energy", "v_least", "v_greatest", "force", "nodes", "iterations", "solver"] {
+            assert_eq!(row[key], alone[key], "{key}: {shown}: {row}");
         }
         assert_eq!(row["error_relative"], alone["bound"]["relative"]["error"], "{shown}: {row}");
     }
@@ -229,14 +221,10 @@ fn each_row_is_what_its_label_says() {
     assert!(rows as u64 >= studies, "{rows}");
 }
 
-/// Rows of a study of options.
-fn rows(project: &Project, args: &[&str]) -> Vec<Value> {
-    let said = project.run(&[&["solve", "--json"], args].concat());
-    said.lines().into_iter().map(|line| serde_json::from_str(line).unwrap()).collect()
-}
-
-/// Rows without the name of the scene, or of the domain.
-fn nameless(mut rows: Vec<Value>) -> Vec<Value> {
+/// Rows of a study, without the name of the scene or of the domain.
+fn rows(project: &Project, line: &str) -> Vec<Value> {
+    let said = project.line(&format!("solve --json {line}"));
+    let mut rows: Vec<Value> = said.lines().iter().map(|line| line.parse().unwrap()).collect();
     rows.iter_mut().for_each(|row| row["scene"] = Value::Null);
     rows
 }
@@ -246,18 +234,8 @@ fn an_interrupted_study_keeps_the_rows_that_it_has() {
     let project = Project::with(TABLE);
     let values: Vec<_> = (1..=400).map(|k| format!("{}", 1.0 + f64::from(k) / 1000.0)).collect();
     let vary = format!("friction={}", values.join(","));
-    let args = [
-        "solve",
-        "--f",
-        "halfplane(1,0,0)=8; else=-9",
-        "--h",
-        "1/256",
-        "--vary",
-        &vary,
-        "--csv",
-        "t.csv",
-    ];
-    let mut command = project.command(&args);
+    let f = ["solve", "--f", "halfplane(1,0,0)=8; else=-9", "--h", "1/256", "--csv", "t.csv"];
+    let mut command = project.command(&[&f[..], &["--vary", &vary]].concat());
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     wait_for_handler(&child);
     interrupt(&child);
@@ -272,25 +250,16 @@ fn an_interrupted_study_keeps_the_rows_that_it_has() {
 #[test]
 fn what_is_saved_has_the_same_members() {
     let project = Project::with(TABLE);
-    let f = "f=disc(0,0,$R)=4; else=-1|disc(0.1,0,$R)=4; else=-1|";
-    for args in [
-        &["--vary", f, "--vary", "R=0.1,0.2", "--h", "8"][..],
-        &["--f", "else=-1", "--vary", "domain=disc,annulus", "--refine", "1"],
-        &[
-            "--f",
-            "else=-1",
-            "--domain",
-            "annulus",
-            "--refine",
-            "0",
-            "--vary",
-            "fixed=inner,outer||inner|",
-        ],
-        &["--f", "else=-$R", "--h", "8", "--vary", "R=0.1:0.3:0.1", "--vary", "load=nodal,exact"],
-        &["--f", "else=-1", "--vary", "grids=4,8|8|", "--vary", "tolerance=1e-3,1e-6"],
+    let f = "'f=disc(0,0,$R)=4; else=-1|disc(0.1,0,$R)=4; else=-1|'";
+    for line in [
+        &format!("--vary {f} --vary R=0.1,0.2 --h 8"),
+        "--f else=-1 --vary domain=disc,annulus --refine 1",
+        "--f else=-1 --domain annulus --refine 0 --vary 'fixed=inner,outer||inner|'",
+        "--f 'else=-$R' --h 8 --vary R=0.1:0.3:0.1 --vary load=nodal,exact",
+        "--f else=-1 --vary 'grids=4,8|8|' --vary tolerance=1e-3,1e-6",
     ] {
-        let own = rows(&project, &[&["--save", "own"], args].concat());
-        assert_eq!(nameless(rows(&project, &["own"])), nameless(own.clone()), "{args:?}");
+        let own = rows(&project, &format!("{line} --save own"));
+        assert_eq!(rows(&project, "own"), own, "{line}");
         assert!(own.len() > 1);
         fs::remove_file(project.path("pipeline/scenes/own.toml")).unwrap();
     }

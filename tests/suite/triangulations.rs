@@ -1,4 +1,4 @@
-//! Problems on triangulations: closed forms, unlike solvers, and guaranteed brackets.
+//! Problems on triangulations: unlike solvers, and guaranteed brackets.
 
 use crate::common::{Dice, mesh};
 use signorini_mathematics::discrete::stop::Stop;
@@ -7,34 +7,9 @@ use signorini_mathematics::mesh::{AnyMesh, Condition};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
 use signorini_mathematics::solvers::{Run, Settings, Solver, solve};
-use std::f64::consts::PI;
 
 fn solved(problem: &Problem, solver: Solver) -> Run {
     solve(problem, &Settings::of(solver)).unwrap()
-}
-
-#[test]
-fn on_the_disc_energies_have_their_order() {
-    // Contact everywhere, and two ends of contact (closed form in the tests of true solutions).
-    for (f, energy) in [("else=-1", -PI / 16.0), ("formula(4*x-1)", -0.609846369525688)] {
-        let error = |times| {
-            let problem = Problem::on_mesh(&mesh("disc"), times, f, Law::SIGNORINI).unwrap();
-            solved(&problem, Solver::Multigrid).judgement.energy - energy
-        };
-        let order = (error(4) / error(5)).log2();
-        assert!((order - 2.0).abs() < 0.1, "{f}: {order}");
-    }
-}
-
-#[test]
-fn the_ball_in_full_contact_has_its_energy() {
-    let energy = -2.0 * PI / 45.0;
-    let error = |times| {
-        let problem = Problem::on_mesh(&mesh("ball"), times, "else=-1", Law::SIGNORINI).unwrap();
-        solved(&problem, Solver::Multigrid).judgement.energy - energy
-    };
-    let order = (error(3) / error(4)).log2();
-    assert!((order - 2.0).abs() < 0.1, "{order}");
 }
 
 /// f that is constant on the quarters or eighths of space, with a negative integral over each domain of the tests.
