@@ -3,7 +3,9 @@
 //!
 //! No file is exempt; code for tests alone does not count.
 
-use crate::layout::{code_below, mathematics, modules_of_tests, paths_after, source_folder, without_tests};
+use crate::layout::{
+    code_below, mathematics, modules_of_tests, paths_after, source_folder, without_tests,
+};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most items of the mathematics that the program names.

@@ -86,7 +86,9 @@ pub(crate) fn code_below(folder: &Path) -> BTreeMap<String, String> {
         code.insert(path, without_tests(&text));
     }
     let is_of_tests = |place: &str| of_tests.contains(place);
-    code.retain(|path, _| !Path::new(place(path)).ancestors().any(|at| is_of_tests(at.to_str().unwrap())));
+    code.retain(|path, _| {
+        !Path::new(place(path)).ancestors().any(|at| is_of_tests(at.to_str().unwrap()))
+    });
     code
 }
 
@@ -104,7 +106,8 @@ pub(crate) fn modules_of_tests(text: &str) -> Vec<&str> {
 
 /// Code of a text: without lines of comments, and without the unit tests, which end a file.
 pub(crate) fn without_tests(text: &str) -> String {
-    let tests = ["mod tests {", "pub(super) mod tests {"].map(|line| format!("#[cfg(test)]\n{line}"));
+    let tests =
+        ["mod tests {", "pub(super) mod tests {"].map(|line| format!("#[cfg(test)]\n{line}"));
     let code = tests.iter().fold(text, |code, tests| code.split(tests.as_str()).next().unwrap());
     let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
     lines.fold(String::new(), |code, line| code + line + "\n")
