@@ -101,11 +101,11 @@ impl Table {
     /// Returns the table in LaTeX, as a `tabular` with the rules of the package booktabs.
     pub(crate) fn tex(&self) -> String {
         let columns = (0..self.head.len()).map(|k| if self.left.contains(&k) { 'l' } else { 'r' });
-        let mut text =
-            format!("% Needs \\usepackage{{booktabs}}.\n\\begin{{tabular}}{{{}}}\n\\toprule\n", {
-                columns.collect::<String>()
-            });
-        let head = self.head.iter().map(|name| in_tex(&name.replace('_', " ")));
+        let mut text = format!(
+            "% Needs \\usepackage{{booktabs}}.\n\\begin{{tabular}}{{@{{}}{}@{{}}}}\n\\toprule\n",
+            { columns.collect::<String>() }
+        );
+        let head = self.head.iter().map(|name| in_tex(name));
         text += &(head.collect::<Vec<_>>().join(" & ") + " \\\\\n\\midrule\n");
         for row in &self.rows {
             let cells: Vec<String> = row.iter().map(|cell| in_tex(cell)).collect();
@@ -269,11 +269,11 @@ mod tests {
         assert_eq!(table.text(), "f     n\na,b  10\nc     2\n");
         assert_eq!(table.markdown(in_markdown), "| f | n |\n|---|---:|\n| a,b | 10 |\n| c | 2 |\n");
         assert_eq!(table.csv(), "f,n\n\"a,b\",10\nc,2\n");
-        let mut table = Table::new(["f", "v_least"], &[0]);
+        let mut table = Table::new(["f", "v least"], &[0]);
         table.rows = vec![vec!["50 %".into(), "-1.5e-7".into()], vec!["a~b".into(), "0.5".into()]];
         expect_test::expect![[r"
             % Needs \usepackage{booktabs}.
-            \begin{tabular}{lr}
+            \begin{tabular}{@{}lr@{}}
             \toprule
             f & v least \\
             \midrule
@@ -285,7 +285,7 @@ mod tests {
         .assert_eq(&table.tex());
         table.rows[0][0].clear();
         table.rows[1][0].clear();
-        assert_eq!(table.with_columns(|name| name != "g").csv(), "v_least\n-1.5e-7\n0.5\n");
+        assert_eq!(table.with_columns(|name| name != "g").csv(), "v least\n-1.5e-7\n0.5\n");
     }
 
     #[test]

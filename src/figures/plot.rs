@@ -54,8 +54,10 @@ impl Plot<'_> {
             marks.extend(places.clone());
             let radius = match curve.stroke {
                 Stroke::Rings => 4.0,
-                Stroke::Marked if places.len() > 1 => 3.5,
-                Stroke::Marked => LONE,
+                Stroke::Marked if self.entry(curve).is_some_and(|it| it.sample == Sample::Ring) => {
+                    LONE
+                }
+                Stroke::Marked => 3.5,
                 Stroke::Line | Stroke::Thin | Stroke::Reference | Stroke::Limit => continue,
             };
             for at in places {

@@ -34,6 +34,15 @@ pub(crate) const COLUMNS: [&str; 24] = [
 pub(crate) const STOP: &str = "stop";
 pub(crate) const END: &str = "end";
 
+/// Returns the name of a column in words, as tables for a paper and charts have it.
+pub(crate) fn in_words(column: &str) -> String {
+    match column {
+        "error_relative" => "relative error".into(),
+        "kkt_relative" => "relative KKT residual".into(),
+        other => other.replace('_', " "),
+    }
+}
+
 /// Columns that stand beside one with digits that may not be known: what bounds its number.
 pub(crate) fn beside(column: &str) -> &'static [&'static str] {
     match column {

@@ -4,7 +4,7 @@ use crate::replication::columns::{COLUMNS, END, STOP, beside};
 use crate::replication::fields::keys::{AxisName, ChartFields};
 use crate::replication::fields::lists::repeated;
 use crate::replication::fields::member::{Member, Varying, in_words};
-use crate::replication::fields::table::{Reading, Refused};
+use crate::replication::fields::table::{Field, Reading, Refused, field};
 use crate::replication::numbers::Numbers;
 use crate::replication::record::Grouped;
 use crate::table::Table;
@@ -73,11 +73,16 @@ impl Study {
         lists
     }
 
-    /// Returns the axes that are given, or the usual ones.
+    /// Returns the axes that are given, or the usual ones: where fineness alone varies, the error against the nodes.
     ///
     /// # Errors
     /// [`Refused`] if there is no such column of numbers.
     pub(crate) fn axes(&self, given: Option<&ChartFields>) -> Reading<Axes> {
+        let mut fields = self.names.iter().map(|name| field(name));
+        if given.is_none() && fields.all(|field| field.is_some_and(Field::is_about_fineness)) {
+            let columns = ["nodes", "error_relative"].map(str::to_owned);
+            return Ok(Axes { columns, log: [true; 2] });
+        }
         let (mut x, mut y) = (None, None);
         let mut log = [false; 2];
         if let Some(given) = given {

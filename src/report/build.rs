@@ -1,5 +1,6 @@
 //! Build of the book from bytes to bytes, by mdBook in this process and in a temporary folder.
 
+use super::contents::{PRINT, with_contents};
 use super::labels::Labels;
 use super::mathml::convert;
 use super::outputs::{self, PAGES, Pages};
@@ -94,6 +95,9 @@ pub fn build(
     with_mdbook(root, config).map_err(|error| in_templates(error, root))?;
     let mut built =
         read_tree(&root.join("book"), |_| false).map_err(|(path, source)| io(&path, source))?;
+    if let Some(print) = built.get_mut(PRINT) {
+        *print = with_contents(&String::from_utf8_lossy(print), &listed).into_bytes();
+    }
     outputs::add_files(&mut built, files)?;
     check_links(&pages, &built)?;
     Ok(built)

@@ -4,6 +4,7 @@
 //! Central are [`pages`] and [`build`].
 
 mod build;
+mod contents;
 mod data;
 mod filters;
 mod includes;

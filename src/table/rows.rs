@@ -47,6 +47,12 @@ impl Rows {
         Ok(Self(self.iter().filter(|row| row.get(name) == Some(&value)).cloned().collect()))
     }
 
+    /// Rows with a number in a column that is between two others.
+    pub(crate) fn within(&self, name: &str, least: f64, greatest: f64) -> Self {
+        let is_within = |row: &&Row| (least..=greatest).contains(&number(row, name));
+        Self(self.iter().filter(is_within).cloned().collect())
+    }
+
     /// Numbers of a column, of the rows that have one there.
     ///
     /// # Errors
@@ -79,6 +85,11 @@ impl Rows {
         let points = self.iter().map(|row| Some((row.get(x)?.as_f64()?, row.get(y)?.as_f64()?)));
         Ok(points.flatten().collect())
     }
+}
+
+/// Number in a column of a row; NaN if it has none.
+pub(crate) fn number(row: &Row, name: &str) -> f64 {
+    row.get(name).and_then(Value::as_f64).unwrap_or(f64::NAN)
 }
 
 #[cfg(test)]

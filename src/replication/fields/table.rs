@@ -314,7 +314,7 @@ impl Field {
     }
 
     /// True if it says how fine grids or meshes are.
-    pub(super) fn is_about_fineness(&self) -> bool {
+    pub(crate) fn is_about_fineness(&self) -> bool {
         self.says.contains(&HOW_FINE)
     }
 

@@ -64,7 +64,7 @@ fn id(name: &str) -> String {
 }
 
 /// Returns a table of what a task has found.
-fn table(inputs: &Inputs, task: &str, name: &str) -> Result<Rows, String> {
+pub(super) fn table(inputs: &Inputs, task: &str, name: &str) -> Result<Rows, String> {
     let mut found: BTreeMap<String, Value> = super::from_json(inputs, &id(task), RESULT)?;
     let rows = found.remove(name).ok_or_else(|| format!("{task} has no table {name}"))?;
     serde_json::from_value(rows).map_err(|e| format!("{name} of {task} is no table: {e}"))

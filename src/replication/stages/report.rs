@@ -1,12 +1,13 @@
 //! The `report` stage: makes pages and a book of the artifacts of the other stages.
 
 mod chapters;
+mod findings;
 mod notebook;
 pub(crate) mod stand_ins;
 mod times;
 
 use super::solutions::Solutions;
-use super::{artifact, figures, files_of, results, study};
+use super::{artifact, bench, figures, files_of, results, study};
 use crate::pipeline::error::{CONFLICT, Failure, conflict};
 use crate::pipeline::names::composed;
 use crate::pipeline::{Artifacts, Inputs, Made, Task};
@@ -133,8 +134,10 @@ fn made(pages: &BookParts, inputs: &Inputs) -> Made {
         let mut context = chapters::context(inputs, problems, others)?;
         let mut rows = BTreeMap::new();
         for (name, of_scene) in studies {
-            rows.insert(name, study::rows(inputs, name, of_scene)?);
+            rows.insert(&name[..], study::rows(inputs, name, of_scene)?);
         }
+        let truths = bench::table(inputs, "truth", "solutions")?;
+        context.insert("findings", &findings::findings(&rows, &truths)?);
         context.insert("studies", &rows);
         context.insert("notebook", notebook);
         context.insert("solutions", &listed);

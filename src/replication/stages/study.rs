@@ -5,12 +5,14 @@ use super::solve::NUMBERS;
 use super::{from_json, tabulate};
 use crate::figures::{Chart, Curve, Picture, Scale, Stroke, axes_alone, charts};
 use crate::pipeline::{Inputs, Made, Task};
+use crate::replication::columns::in_words;
 use crate::replication::fields::member::Member;
+use crate::replication::fields::table::{Field, field};
 use crate::replication::numbers::Numbers;
 use crate::replication::scene::Scene;
 use crate::replication::study::{Axes, Study, of_axis};
+use crate::table::rows::Rows;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 
 /// Study of a scene with this name.
 #[derive(Serialize, Deserialize)]
@@ -60,8 +62,8 @@ fn all_numbers(inputs: &Inputs, scene: &str, study: &Study) -> Result<Vec<Number
 }
 
 /// Returns the rows of the study of a scene, as [`Study::rows`].
-pub(super) fn rows(inputs: &Inputs, scene: &str, study: &Study) -> Result<Value, String> {
-    Ok(json!(study.rows(&all_numbers(inputs, scene, study)?)))
+pub(super) fn rows(inputs: &Inputs, scene: &str, study: &Study) -> Result<Rows, String> {
+    Ok(Rows(study.rows(&all_numbers(inputs, scene, study)?)))
 }
 
 /// Draws the chart of a study: a curve for each of the other values that are varied.
@@ -106,7 +108,7 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
     }
     let curves =
         curves.into_iter().map(|(label, points)| Curve::new(Stroke::Marked, label, points));
-    let names = axes.columns.each_ref().map(|column| column.replace('_', " "));
+    let names = axes.columns.each_ref().map(|column| in_words(column));
     let scales = axes.log.map(|log| if log { Scale::Logarithmic } else { Scale::Linear });
     let chart = Chart::new(title, names.each_ref().map(String::as_str), curves.collect());
     let chart = chart.scaled(scales);
@@ -114,16 +116,20 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
 }
 
 impl Axes {
-    /// Label of the curve to which a member belongs: the values that no axis shows.
+    /// Label of the curve to which a member belongs: the values that no axis shows; the nodes show the fineness.
     fn label(&self, study: &Study, member: &Member) -> String {
         let mut others = Vec::new();
         for (name, value) in study.names.iter().zip(study.values(member)) {
-            if !self.columns.iter().any(|column| of_axis(column).0 == name) {
+            let is_shown = self.columns.iter().map(|column| of_axis(column).0).any(|column| {
+                column == name
+                    || column == "nodes" && field(name).is_some_and(Field::is_about_fineness)
+            });
+            if !is_shown {
                 others.push(format!("{name} = {value}"));
             }
         }
         match others.is_empty() {
-            true => self.columns[1].replace('_', " "),
+            true => in_words(&self.columns[1]),
             false => others.join(", "),
         }
     }

@@ -3,7 +3,7 @@
 use super::solve::NUMBERS;
 use super::{from_json, members};
 use crate::pipeline::{Artifacts, Inputs, Made, Task};
-use crate::replication::columns::shown;
+use crate::replication::columns::{in_words, shown};
 use crate::replication::comparison::Row;
 use crate::replication::fields::member::Member;
 use crate::replication::numbers::Numbers;
@@ -55,7 +55,9 @@ pub(crate) fn under(table: &str, rule: StopRule) -> String {
 
 /// Returns the files of a table: in CSV, and as it is `shown` in Markdown and LaTeX, each with a `note` below.
 pub(super) fn files(name: &str, table: &Table, shown: &Table, note: &str) -> Artifacts {
-    let (mut markdown, mut tex) = (shown.markdown(in_markdown), shown.tex());
+    let head = shown.head.iter().map(|column| in_words(column)).collect();
+    let mut tex = Table { head, ..shown.clone() }.tex();
+    let mut markdown = shown.markdown(in_markdown);
     let left_out: Vec<&str> = table
         .head
         .iter()

@@ -10,11 +10,12 @@ use crate::replication::stages::figures::{drawing, made};
 use crate::replication::stages::members::id_of;
 use crate::replication::stages::{study, to_json};
 use crate::replication::study::Study;
-use crate::table::rows::{Row, Rows};
+use crate::table::rows::{Row, Rows, number};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use signorini_mathematics::saddle::tolerance;
 use signorini_mathematics::solvers::Solver;
+use std::collections::BTreeMap;
 
 /// Scene of the counts under all stopping rules.
 const COUNTS: &str = "claims";
@@ -86,11 +87,6 @@ impl ClaimRun {
 /// Text in a column of a row; empty if it has none.
 fn text(row: &Row, name: &str) -> String {
     row.get(name).and_then(Value::as_str).unwrap_or_default().to_owned()
-}
-
-/// Number in a column of a row; NaN if it has none.
-fn number(row: &Row, name: &str) -> f64 {
-    row.get(name).and_then(Value::as_f64).unwrap_or(f64::NAN)
 }
 
 /// Returns the cases of all claims, from the rows of both studies; the multiplier moves much if it moves by many
@@ -190,6 +186,56 @@ fn against_uzawa(own: &[ClaimRun], others: &[ClaimRun]) -> Vec<ClaimCase> {
     cases
 }
 
+/// Number of the cases of a claim, and of those in which it holds: as it stands, and with half and with twice the
+/// number in its bound, of ratios what they are above one; none for a claim about which of two is larger.
+#[derive(Default, Serialize)]
+struct ClaimVerdict {
+    cases: usize,
+    holds: usize,
+    half: Option<usize>,
+    twice: Option<usize>,
+}
+
+/// Returns the verdicts by their claims.
+fn verdicts(cases: &[ClaimCase]) -> BTreeMap<&str, ClaimVerdict> {
+    let mut verdicts = BTreeMap::<&str, ClaimVerdict>::new();
+    for ClaimCase { claim, value, bound, holds, .. } in cases {
+        let verdict = verdicts.entry(claim.as_str()).or_default();
+        verdict.cases += 1;
+        verdict.holds += usize::from(*holds);
+        let least = if *bound == CONSIDERABLE { 0.0 } else { 1.0 };
+        if [EQUAL, CONSIDERABLE, MANY].contains(bound) {
+            for (factor, count) in [(0.5, &mut verdict.half), (2.0, &mut verdict.twice)] {
+                let holds = *value >= least + factor * (bound - least);
+                *count = Some(count.unwrap_or(0) + usize::from(holds));
+            }
+        }
+    }
+    verdicts
+}
+
+/// Returns, for each variant of Uzawa's method and the best of them, its sweeps over those of Arrow-Hurwicz to each
+/// residual: median, least and greatest, and the number of cases in which Arrow-Hurwicz is cheaper.
+fn gains(cases: &[ClaimCase]) -> Vec<Value> {
+    let mut gains = Vec::new();
+    for variant in ["uzawa", "uzawa-loose", "uzawa-proximal", "the best of these"] {
+        let claim = format!("cheaper than {variant}");
+        let to = ["1e-3", "1e-6"].map(|end| {
+            let of = cases.iter().filter(|case| case.claim == claim && case.end == end);
+            let mut values: Vec<f64> = of.map(|case| case.value).collect();
+            values.sort_by(f64::total_cmp);
+            let middle = [(values.len().max(1) - 1) / 2, values.len() / 2];
+            let [low, high] = middle.map(|k| values.get(k).copied().unwrap_or(f64::NAN));
+            json!({
+                "median": f64::midpoint(low, high), "least": values.first(), "greatest": values.last(),
+                "cheaper": values.iter().filter(|&&value| value > 1.0).count(), "cases": values.len(),
+            })
+        });
+        gains.push(json!({ "variant": variant, "to": to }));
+    }
+    gains
+}
+
 /// Studies of the claims, and what was published.
 #[derive(Serialize, Deserialize)]
 struct AskedClaims {
@@ -202,15 +248,16 @@ struct AskedClaims {
 
 impl AskedClaims {
     fn judged(&self, inputs: &Inputs) -> Made {
-        let [counts, sweeps] = [self.counts(inputs)?, rows(inputs, SWEEPS, &self.sweeps)?];
+        let [counts, sweeps] = [self.counts(inputs)?, study::rows(inputs, SWEEPS, &self.sweeps)?];
         let mut papers = counts;
         papers.0.retain(|row| row["r"].as_f64().is_some_and(|r| self.published.r.contains(&r)));
         let cases = cases(&papers, &sweeps, tolerance(self.grids));
-        Ok(Artifacts::from([(super::RESULT.into(), to_json(&json!({ "cases": cases })))]))
+        let found = json!({ "cases": cases, "verdicts": verdicts(&cases), "gains": gains(&cases) });
+        Ok(Artifacts::from([(super::RESULT.into(), to_json(&found))]))
     }
 
     fn counts(&self, inputs: &Inputs) -> Result<Rows, String> {
-        rows(inputs, COUNTS, &self.counts)
+        study::rows(inputs, COUNTS, &self.counts)
     }
 
     /// Draws the counts on the finest grid against r, a panel per problem: under the printed rule, under the signed
@@ -235,12 +282,6 @@ impl AskedClaims {
         let picture: Picture = charts(true, &panels);
         made(inputs, title, picture)
     }
-}
-
-/// Rows of a study.
-fn rows(inputs: &Inputs, scene: &str, study: &Study) -> Result<Rows, String> {
-    let rows: Value = study::rows(inputs, scene, study)?;
-    serde_json::from_value(rows).map_err(|e| format!("{scene} is no table: {e}"))
 }
 
 /// The tasks that judge the claims, and that draw the counts beside the published ones; none without their studies.
@@ -322,5 +363,9 @@ mod tests {
         assert_eq!(found("cheaper than uzawa-loose"), (vec![2.0, 1.0], vec![true, false]));
         assert_eq!(found("cheaper than the best of these"), (vec![2.0, 1.0], vec![true, false]));
         assert_eq!(found("gain-depends-on-r"), (vec![2.0], vec![true]));
+        let verdicts = verdicts(&cases);
+        let ClaimVerdict { cases, holds, half, twice } = verdicts["dual-costs"];
+        assert_eq!((cases, holds, half, twice), (4, 3, Some(4), Some(3)));
+        assert_eq!((verdicts["still-moves"].half, verdicts["more-in-last"].half), (Some(3), None));
     }
 }

@@ -1,19 +1,43 @@
 //! Data of the chapter on cost, from recorded times.
 
-use crate::timing::recorded::{Timings, number};
+use crate::table::rows::{Row, Rows};
+use crate::timing::recorded::{GOALS, Timings, number};
 use serde_json::{Value, json};
 use signorini_mathematics::solvers::Solver;
 
 /// Error of the energy, relative, at which the spectral solver and multigrid are compared.
 const FAR: f64 = 1e-10;
 
-/// Returns the recorded times, [`Timings::extended`], as the templates take them: with the names of the `solvers` on
-/// grids, and a table `far` that compares both fast solvers.
+/// Cells per side of the finest grid that fits into the caches.
+const CACHED: f64 = 512.0;
+
+/// Returns the recorded times, [`Timings::extended`], as the templates take them: with a table `far` that compares both
+/// fast solvers, the fastest of the `rivals` on a grid, multigrid on a grid that is `cached` and on a `large` one, and
+/// the greatest `spread` of all.
 pub(super) fn times(timings: &Timings) -> Result<Value, String> {
-    let mut times = json!(timings.extended());
-    times["solvers"] = json!(Solver::on_grids());
+    let extended = timings.extended();
+    let own = extended.multigrid.wherever("threads", 1)?.wherever("goal", GOALS[0])?;
+    let spreads = [&timings.multigrid, &timings.solver, &timings.spectral];
+    let spreads =
+        spreads.into_iter().flat_map(|table| table.iter().map(|row| number(row, "spread")));
+    let mut times = json!(extended);
     times["far"] = json!(far(timings)?);
+    times["rivals"] = json!(rivals(timings)?);
+    times["cached"] = json!(own.within("cells", 0.0, CACHED).last());
+    times["large"] = json!(own.last());
+    times["spread"] = json!(spreads.fold(0.0, f64::max));
     Ok(times)
+}
+
+/// Returns the fastest of the solvers of others on each problem and grid, from f to the solution vector.
+fn rivals(timings: &Timings) -> Result<Rows, String> {
+    let whole = timings.peer.wherever("whole", true)?;
+    let mut rivals = whole.clone();
+    rivals.0.retain(|row| {
+        let alike = |one: &&Row| one["f"] == row["f"] && one["cells"] == row["cells"];
+        whole.iter().filter(alike).all(|other| number(row, "theirs") <= number(other, "theirs"))
+    });
+    Ok(rivals)
 }
 
 /// Returns the milliseconds to an error of [`FAR`] in the energy, problem by problem: of the spectral solver, least
