@@ -56,7 +56,6 @@ mod replication;
 mod ro_crate;
 mod samples;
 mod shells;
-mod single_precision;
 mod solvers;
 mod square_truth;
 mod statements;

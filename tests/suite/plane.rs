@@ -17,97 +17,49 @@ fn statement(domain: Domain, f: &str) -> Statement {
     }
 }
 
-/// Energies to all digits that another program gave, and ends of contact.
+/// Problems, one a line: the domain, with friction 0.3 or an inner part that is fixed or free; f; the energy to all digits
+/// that another program gave; and ends of contact.
+///
+/// f = c1 r^k cos(k t) - c0 on the disc has closed forms: with A = c0 / 2 and B = c1 / (4 (k + 1)), contact ends where
+/// cos(k t) = A / B - 1.
+const KNOWN: &str = "\
+    disc | formula(4*x-1) | -0.609846369525688 | 0 1
+    disc | formula(8*x-1) | -3.510437382293933 | -0.5 0.866025404 -0.5 -0.866025404
+    disc | formula(12*(x^3-3*x*y^2)-1) | -0.837394738980147 | 0.803956443 0.594688187
+    lshape | else=-1 | -0.1070379013 |
+    lshape | rect(0,9,0,9)=5; else=-3 | -8.730893498 | -1 -0.33266642 0 -0.66849237
+    lshape friction | disc(-.3,.4,.4)=4; else=-.6 | -0.232159340 | -1 -0.0155635 0 -0.3180937 0.3947503 0 0.2811096 1
+    disc | halfplane(1,.3,-.1)=4; else=-7 | -4.500172948 | 0.3312903 -0.9435289 -0.2427919 0.9700784
+    disc | formula(7*(x^2-y^2)-1.5) | -0.744911466 |
+    annulus | disc(.2,.8,.15)=30; else=-2 | -0.962794609 | -0.8668429 0.4985814 0.9994879 0.0319987 -0.4658530 0.1816066
+    annulus fixed | disc(.2,.8,.15)=30; else=-2 | -0.693480313 | -0.5510441 0.8344761 0.8789100 0.4769876
+    annulus free | disc(.2,.8,.15)=30; else=-2 | -1.042053659 | -0.8199202 0.5724779 0.9928603 0.1192827";
+
 #[test]
 fn digits_of_another_program_are_reached() {
-    let friction = Some(LawParameter::Friction(0.3));
-    let with = |name: &str, fixed: &[&str], free: &[&str]| Domain {
-        fixed: fixed.iter().map(|&part| part.into()).collect(),
-        free: free.iter().map(|&part| part.into()).collect(),
-        ..Domain::named(name)
-    };
-    let ring = "disc(.2,.8,.15)=30; else=-2";
-    let cases: [(_, _, _, f64, &[[f64; 2]]); 11] = [
-        // f = c1 r^k cos(k t) - c0 on the disc has closed forms: with A = c0 / 2 and B = c1 / (4 (k + 1)), contact ends
-        // where cos(k t) = A / B - 1.
-        (Domain::named("disc"), "formula(4*x-1)", None, -0.609846369525688, &[[0.0, 1.0]]),
-        (
-            Domain::named("disc"),
-            "formula(8*x-1)",
-            None,
-            -3.510437382293933,
-            &[[-0.5, 0.866025404], [-0.5, -0.866025404]],
-        ),
-        (
-            Domain::named("disc"),
-            "formula(12*(x^3-3*x*y^2)-1)",
-            None,
-            -0.837394738980147,
-            &[[0.803956443, 0.594688187]],
-        ),
-        (Domain::named("lshape"), "else=-1", None, -0.1070379013, &[]),
-        (
-            Domain::named("lshape"),
-            "rect(0,9,0,9)=5; else=-3",
-            None,
-            -8.730893498,
-            &[[-1.0, -0.33266642], [0.0, -0.66849237]],
-        ),
-        (
-            Domain::named("lshape"),
-            "disc(-.3,.4,.4)=4; else=-.6",
-            friction,
-            -0.232159340,
-            &[[-1.0, -0.0155635], [0.0, -0.3180937], [0.3947503, 0.0], [0.2811096, 1.0]],
-        ),
-        (
-            Domain::named("disc"),
-            "halfplane(1,.3,-.1)=4; else=-7",
-            None,
-            -4.500172948,
-            &[[0.3312903, -0.9435289], [-0.2427919, 0.9700784]],
-        ),
-        (Domain::named("disc"), "formula(7*(x^2-y^2)-1.5)", None, -0.744911466, &[]),
-        (
-            Domain::named("annulus"),
-            ring,
-            None,
-            -0.962794609,
-            &[[-0.8668429, 0.4985814], [0.9994879, 0.0319987], [-0.4658530, 0.1816066]],
-        ),
-        (
-            with("annulus", &["inner"], &[]),
-            ring,
-            None,
-            -0.693480313,
-            &[[-0.5510441, 0.8344761], [0.8789100, 0.4769876]],
-        ),
-        (
-            with("annulus", &[], &["inner"]),
-            ring,
-            None,
-            -1.042053659,
-            &[[-0.8199202, 0.5724779], [0.9928603, 0.1192827]],
-        ),
-    ];
-    for (domain, f, law, energy, ends) in cases {
-        let name = format!("{}, {f}", domain.name);
+    for line in KNOWN.lines() {
+        let parts: Vec<_> = line.split('|').map(str::trim).collect();
+        let [problem, f, energy, ends] = parts[..] else { panic!("{line}") };
+        let (name, more) = problem.split_once(' ').unwrap_or((problem, ""));
+        let inner = |is_so: bool| is_so.then(|| "inner".to_owned()).into_iter().collect();
+        let (fixed, free) = (inner(more == "fixed"), inner(more == "free"));
+        let domain = Domain { fixed, free, ..Domain::named(name) };
+        let law = (more == "friction").then_some(LawParameter::Friction(0.3));
         let solved = Statement { law, ..statement(domain, f) }.solved(None);
-        let solved = solved.unwrap_or_else(|e| panic!("{name}: {e}"));
+        let solved = solved.unwrap_or_else(|e| panic!("{line}: {e}"));
+        let energy: f64 = energy.parse().unwrap();
         let off = (solved.energy() - energy).abs();
         // They are printed to nine decimals.
-        assert!(off < 6e-10, "{name}: {} {off:e}", solved.energy());
-        let bounds = solved.bounds()[0].as_ref().unwrap();
-        let [low, high] = bounds.energy;
-        assert!(low - 1e-9 < energy && energy < high + 1e-9, "{name}: {low} {high}");
-        assert!(high - low < 1e-6 * energy.abs(), "{name}: {low} {high}");
+        assert!(off < 6e-10, "{line}: {} {off:e}", solved.energy());
+        let [low, high] = solved.bounds()[0].as_ref().unwrap().energy;
+        assert!(low - 1e-9 < energy && energy < high + 1e-9, "{line}: {low} {high}");
+        assert!(high - low < 1e-6 * energy.abs(), "{line}: {low} {high}");
         let arcs = solved.contact().unwrap();
-        for end in ends {
-            let is_there = arcs
-                .iter()
-                .flat_map(|arc| [arc.from, arc.to])
-                .any(|[x, y]| (x - end[0]).abs() < 1e-6 && (y - end[1]).abs() < 1e-6);
-            assert!(is_there, "{name}: {end:?} {arcs:?}");
+        let found: Vec<_> = arcs.iter().flat_map(|arc| [arc.from, arc.to]).collect();
+        let ends: Vec<f64> = ends.split_whitespace().map(|x| x.parse().unwrap()).collect();
+        for end in ends.chunks(2) {
+            let is_there = |at: &[f64; 2]| (0..2).all(|d| (at[d] - end[d]).abs() < 1e-6);
+            assert!(found.iter().any(is_there), "{line}: {end:?} {arcs:?}");
         }
     }
 }

@@ -128,7 +128,6 @@ fn commands_run_and_outputs_are_true() {
     assert!(project.join("figures/round-map.svg").is_file());
     fs::remove_file(project.join("pipeline/scenes/round.toml")).unwrap();
     commands_of_captions_run(project);
-    changes_are_explained(project);
 }
 
 #[test]
@@ -205,52 +204,6 @@ fn follow(page: &str, project: &Path) -> usize {
         }
     }
     ran
-}
-
-/// After a full run: every kind of input, changed, is named with what it was and what it is.
-fn changes_are_explained(project: &Path) {
-    let edit = |file: &str, from: &str, to: &str| {
-        let text = fs::read_to_string(project.join(file)).unwrap();
-        assert!(text.contains(from), "{from} in {file}");
-        fs::write(project.join(file), text.replacen(from, to, 1)).unwrap();
-    };
-    let explained = |what: &str| {
-        let output = run(&format!("cargo run --release -- explain {what}"), project);
-        String::from_utf8(output.stdout).unwrap()
-    };
-    // `  file NAME: 0123456789ab -> ba9876543210`
-    let is_hash = |text: &str| text.len() == 12 && text.bytes().all(|b| b.is_ascii_hexdigit());
-    let told = |text: &str, file: &str| {
-        text.lines().filter_map(|l| l.strip_prefix(&format!("  file {file}: "))).any(|change| {
-            let (old, new) = change.split_once(" -> ").unwrap();
-            is_hash(old) && is_hash(new) && old != new
-        })
-    };
-    edit("report/templates/tables.md.tera", "# Tables", "# The tables");
-    let report = explained("report");
-    assert!(report.starts_with("report/book: stale\n"), "{report}");
-    assert!(
-        told(&report, "report/templates/tables.md.tera") && report.lines().count() == 2,
-        "{report}"
-    );
-    // Comments are not what is compared.
-    edit("pipeline/paper.toml", "# Published", "# The published");
-    assert_eq!(explained("diff/problem1"), "diff/problem1: up to date\n");
-    assert_eq!(explained("identify/problem1"), "identify/problem1: up to date\n");
-    edit("pipeline/scenes/problem1.toml", "title = \"Problem 1", "title = \"The problem 1");
-    let figure = explained("figures/figure1");
-    assert_eq!(
-        figure,
-        "figures/figure1: stale\n  parameter scenes[0].title: \"Problem 1\" -> \"The problem 1\"\n"
-    );
-    // The book waits for the figure, which is no reason to keep its own changes back.
-    let report = explained("report");
-    assert!(report.starts_with("report/book: waits for "), "{report}");
-    for file in
-        ["report/templates/tables.md.tera", "pipeline/paper.toml", "pipeline/scenes/problem1.toml"]
-    {
-        assert!(told(&report, file), "{file}: {report}");
-    }
 }
 
 /// Times, and how many files a run found missing, differ from run to run.

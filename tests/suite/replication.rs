@@ -7,13 +7,10 @@ use signorini::replication::scene::Scene;
 use signorini_mathematics::discrete::end::Outcome;
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::load;
-use signorini_mathematics::discrete::network::{Network, NodeCondition};
+use signorini_mathematics::discrete::network::Network;
 use signorini_mathematics::discrete::norms::max_error;
 use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::discrete::transfer::Prolongation;
-use signorini_mathematics::mesh::{assemble, uniform_square};
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::problem::source::Tie;
 use signorini_mathematics::saddle::{
     Monitor, NestedGrids, NestedLevels, Pair, Params, StopRule, arrow_hurwicz, run_nested, solve,
     solve_nested, tolerance,
@@ -88,55 +85,6 @@ fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() 
         let bits =
             |pair: &Pair| pair.y.iter().chain(&pair.a).map(|v| v.to_bits()).collect::<Vec<_>>();
         assert!(bits(&pair[0]) == bits(&made_pair), "{name} {rule} r = {r}");
-    }
-}
-
-/// Pair on a grid with its boundary vector in the order of a network's contact nodes, or back.
-fn reordered(grid: Grid, network: &Network, a: &[f64], to_network: bool) -> Vec<f64> {
-    let mut reordered = vec![0.0; a.len()];
-    for (b, node) in grid.boundary().enumerate() {
-        let NodeCondition::Contact(place) = network.condition(node) else { unreachable!() };
-        let (from, to) = if to_network { (b, place) } else { (place, b) };
-        reordered[to] = a[from];
-    }
-    reordered
-}
-
-#[test]
-fn the_general_formulas_on_the_papers_triangulation_give_every_count() {
-    let project = project();
-    for name in ["problem1", "problem2"] {
-        let scene = project.scene(name).unwrap();
-        let mut rows = Vec::new();
-        for &r in &scene.r() {
-            let (grids, prolongation) = (&scene.grids()[..], Prolongation::Bilinear);
-            let levels = NestedGrids { grids, prolongation };
-            let (mut pair, mut counts, mut delta_a) = (Pair::zero(scene.grids()[0]), vec![], 0.0);
-            for (k, &grid) in scene.grids().iter().enumerate() {
-                if k > 0 {
-                    pair = levels.interpolated(k, &pair);
-                }
-                let mesh = uniform_square(grid);
-                let network = assemble(&mesh);
-                let f_at = |point: &[f64; 2]| {
-                    let tie = Tie::LowerLeft;
-                    scene.source().at([tie.step_off(point[0], 0), tie.step_off(point[1], 1)])
-                };
-                let nodal = mesh.points().iter().zip(network.masses());
-                let load: Vec<f64> = nodal.map(|(point, mass)| f_at(point) * mass).collect();
-                let mut general = Pair { y: pair.y, a: reordered(grid, &network, &pair.a, true) };
-                let params = Params { r, tolerance: tolerance(k + 1), ..Params::default() };
-                let problem = Law::SIGNORINI.with_load(&load);
-                let end = solve(&network, problem, &params, &mut general, None);
-                counts.push(end.end.iterations);
-                delta_a = end.end.change();
-                pair = Pair { a: reordered(grid, &network, &general.a, false), y: general.y };
-            }
-            rows.push(Row { r, capped: vec![false; counts.len()], counts, delta_a });
-        }
-        let table = scene.paper_table.unwrap();
-        let compared = project.paper.compare(table, &scene.name, &rows).unwrap();
-        assert_eq!(compared.exact, 25, "{name}");
     }
 }
 

@@ -1,12 +1,11 @@
 //! The record of a run for programs, an RO-Crate: complete and true, and read by the tools of others.
 
-use crate::common::{EVERYTHING, Project, Said, assert_same, mesh_path, skip, wanting};
+use crate::common::{EVERYTHING, Project, Said, skip, wanting};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
-use std::time::UNIX_EPOCH;
 
 const NAMED: [&str; 2] = ["--name", "A. \"R\" Reviewer"];
 
@@ -97,52 +96,6 @@ fn the_record_of_a_run_names_the_authors_and_the_licence_of_the_citation() {
     assert_eq!(licence["identifier"], field("\nlicense: "));
     // Nobody gave a name.
     assert!(entities["#run"].get("agent").is_none() && !entities.contains_key("#codechecker"));
-}
-
-#[test]
-fn the_record_of_a_run_is_that_of_its_copy() {
-    let project = certified(&[]);
-    let record = || {
-        let _ = fs::remove_dir_all(project.path("codecheck"));
-        let mut command = project.command(&["certificate"]);
-        let said = command.env("SOURCE_DATE_EPOCH", "1795245605").output().unwrap();
-        assert!(said.status.success(), "{said:?}");
-        project.files("codecheck")
-    };
-    let first = record();
-    for file in project.times().into_keys() {
-        fs::File::options().append(true).open(&file).unwrap().set_modified(UNIX_EPOCH).unwrap();
-    }
-    project.run(&["run"]).lines();
-    assert_same(&record(), &first);
-    let run = &entities(&project)["#run"];
-    assert!(run.get("startTime").is_none() && run.get("endTime").is_none(), "{run}");
-}
-
-#[test]
-fn inputs_are_said_to_be_what_they_are() {
-    let project = Project::with(&(wanting(EVERYTHING) + "paper_table = 1\n"));
-    let gear = mesh_path("gear");
-    // Any ending will do for a mesh.
-    for name in ["gear.msh", "gear.geometry", "gear.toml"] {
-        fs::copy(&gear, project.path(&format!("pipeline/{name}"))).unwrap();
-        let scene = "title = \"Gear\"\nf = \"region(gear)=-1\"\nsolver = \"arrow-hurwicz\"\nr = [10]\nstop = [\"printed-dual\"]\n\
-            outputs = [\"table\"]\n";
-        let domain = format!("domain = {{ name = \"{name}\", refine = 0, free = [\"hole\"] }}\n");
-        project.scene(&name.replace('.', "-"), &(scene.to_owned() + &domain));
-    }
-    project.run(&["run"]).lines();
-    project.run(&["certificate"]).lines();
-    let entities = entities(&project);
-    let described = |name: &str| {
-        let entity = &entities[&format!("inputs/pipeline/{name}")];
-        ["description", "encodingFormat"].map(|key| entity[key].as_str().unwrap())
-    };
-    for name in ["gear.msh", "gear.geometry", "gear.toml"] {
-        assert_eq!(described(name), ["a mesh", "model/mesh"], "{name}");
-    }
-    assert_eq!(described("paper.toml"), ["the published tables", "application/toml"]);
-    assert!(described("scenes/gear-toml.toml")[0].starts_with("a scene: "));
 }
 
 /// The Python that has the validator, if there is one.

@@ -144,16 +144,4 @@ mod tests {
             assert!(!is_left_behind(name), "{name:?}");
         }
     }
-
-    #[test]
-    fn a_forbidden_character_is_named() {
-        assert!(refuse_forbidden("`title`", "Ein Bild").is_ok());
-        let error = refuse_forbidden("`title`", "a\u{FFFE}").unwrap_err().to_string();
-        assert_eq!(
-            error,
-            "`title` has the character U+FFFE, which no line of text may have; take it out"
-        );
-        let error = refuse_forbidden_name("scene", "a\nb").unwrap_err().to_string();
-        assert!(error.ends_with("; rename the scene") && !error.contains('\n'), "{error}");
-    }
 }

@@ -64,13 +64,3 @@ fn an_interrupt_ends_the_way_to_an_accuracy_between_grids_and_between_meshes() {
         assert!(matches!(run.err(), Some(Error::Interrupted)));
     }
 }
-
-#[test]
-fn a_caption_has_those_digits_of_a_true_energy_that_both_ends_of_its_bracket_share() {
-    let text = "title = 't'\ndomain = 'lshape'\nf = 'halfplane(1,0.3,-1.2999999999)=4000; else=-3'\n\
-        solver = 'spectral'\noutputs = ['table']\n";
-    let scene = Scene::parse("t", text).unwrap();
-    let made = only(&scene).artifacts(&InputFiles::new(), &AtomicBool::new(false)).unwrap();
-    let numbers: Numbers = serde_json::from_slice(&made[NUMBERS]).unwrap();
-    assert_eq!([16, 3].map(|digits| numbers.shown_energy(digits)), ["-0.96334", "-0.963"]);
-}
