@@ -52,7 +52,9 @@ fn energies_and_brackets_are_those_by_conformal_maps() {
     let mut without_bracket = Vec::new();
     for line in CASES.lines() {
         let (known, f) = line.split_once(" | ").unwrap();
-        let [energy, arcs, law] = known.splitn(3, ' ').collect::<Vec<_>>()[..] else { panic!("{line}") };
+        let [energy, arcs, law] = known.splitn(3, ' ').collect::<Vec<_>>()[..] else {
+            panic!("{line}")
+        };
         let (energy, arcs): (f64, usize) = (energy.parse().unwrap(), arcs.parse().unwrap());
         let solution = solved_under(f, law_of(law));
         let error = solution.energy / energy - 1.0;
