@@ -5,8 +5,8 @@ use super::output::say;
 use super::pipeline::Workplace;
 use crate::pipeline::error::{Error, Result};
 use crate::replication::stages::Stage;
-use crate::report::FIRST;
 use clap::Args;
+use signorini_book::FIRST;
 use std::path::Path;
 use std::process::Command;
 

@@ -8,7 +8,6 @@ use crate::pipeline::{InputFile, InputFiles};
 use crate::replication::paper::{PAPER, Paper};
 use crate::replication::scene::Scene;
 use crate::replication::scenes::{SCENES, SceneFolder, find, problems};
-use crate::report;
 use crate::timing::recorded::{self, Timings};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -175,7 +174,7 @@ impl Project {
         }
         let settings = self.templates.get("book.toml");
         if let Some(file) = settings.filter(|_| files.contains("report/book.toml")) {
-            report::check_settings(file.bytes()?)?;
+            signorini_book::check_settings(file.bytes()?)?;
         }
         Ok(checked)
     }

@@ -3,7 +3,7 @@
 use crate::common::{files_below, skip};
 use crate::explore::book;
 use polars::prelude::{CsvReadOptions, CsvReader, SerReader};
-use signorini::report::pages;
+use signorini_book::pages;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Cursor;

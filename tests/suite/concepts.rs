@@ -18,7 +18,7 @@ const TYPES_OF_THE_MATHEMATICS: usize = 160;
 const METHODS_OF_LEVELS: usize = 15;
 
 /// Folders of the other packages.
-const OTHER_PACKAGES: [&str; 2] = ["mathematics/", "pipeline/"];
+const OTHER_PACKAGES: [&str; 3] = ["book/", "mathematics/", "pipeline/"];
 
 /// Code of the program by path below `src/`.
 fn program() -> BTreeMap<String, String> {

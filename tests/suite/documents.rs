@@ -9,7 +9,7 @@ use std::path::Path;
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// Folders from which paths are named: the root, and the sources of the packages.
-const FOLDERS: [&str; 4] = ["", "src", "src/mathematics/src", "src/pipeline/src"];
+const FOLDERS: [&str; 5] = ["", "src", "src/mathematics/src", "src/pipeline/src", "src/book/src"];
 
 /// Words before the name of an item.
 const KEYWORDS: [&str; 8] = ["fn", "struct", "enum", "trait", "const", "static", "type", "mod"];
@@ -56,7 +56,7 @@ impl Texts {
                 all.add(std::str::from_utf8(&bytes).unwrap());
             }
         }
-        for folder in ["", "src/mathematics", "src/pipeline"] {
+        for folder in ["", "src/book", "src/mathematics", "src/pipeline"] {
             let path = Path::new(ROOT).join(folder).join("Cargo.toml");
             all.add(&fs::read_to_string(path).unwrap());
         }

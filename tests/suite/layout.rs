@@ -1,7 +1,7 @@
 //! The layout of `src/`: rooms use only rooms that come before them, and modules of one room form no circle.
 //!
-//! The first fourteen are a package of their own, the mathematics, which the program uses by its name; so is the
-//! pipeline, which uses none of them.
+//! The first fourteen are a package of their own, the mathematics, which the program uses by its name; so are the
+//! pipeline, which uses none of them, and the builder of the book, which uses the pipeline alone.
 
 use crate::common::files_below;
 use std::collections::{BTreeMap, BTreeSet};
@@ -24,14 +24,17 @@ pub(crate) const ROOMS: [&str; 21] = [
     "solvers",
     "statement",
     "identify",
-    "table",
     "pipeline",
+    "book",
+    "table",
     "timing",
     "figures",
-    "report",
     "replication",
     "cli",
 ];
+
+/// Packages that are one room, each with those of ours that it uses.
+const ONE_ROOM: [(&str, &[&str]); 2] = [("pipeline", &[]), ("book", &["signorini-pipeline"])];
 
 /// Every source file below `folder`.
 pub(crate) fn sources(folder: &Path) -> Vec<PathBuf> {
@@ -48,32 +51,28 @@ pub(crate) fn mathematics() -> PathBuf {
     source_folder().join("mathematics/src")
 }
 
-/// The sources of the pipeline, a package that is one room.
-fn pipeline() -> PathBuf {
-    source_folder().join("pipeline/src")
-}
-
 /// The module that a source file holds, as a path from the root of its crate; from its room if that is a package.
 pub(crate) fn module(file: &Path) -> Vec<String> {
-    let path = match file.strip_prefix(pipeline()) {
-        Ok(path) => Path::new("pipeline").join(path),
-        Err(_) => file
-            .strip_prefix(mathematics())
-            .or_else(|_| file.strip_prefix(source_folder()))
-            .unwrap()
-            .into(),
-    };
-    let path = path.with_extension("");
+    let path = file.strip_prefix(mathematics()).or_else(|_| file.strip_prefix(source_folder()));
+    let path = path.unwrap().with_extension("");
     let mut parts: Vec<_> = path.iter().map(|part| part.to_str().unwrap().to_owned()).collect();
-    if parts.last().is_some_and(|last| last == "mod") || parts == ["pipeline", "lib"] {
+    if is_one_room(&parts[0]) && parts.len() > 1 {
+        parts.remove(1);
+        parts.retain(|part| part != "lib");
+    }
+    if parts.last().is_some_and(|last| last == "mod") {
         parts.pop();
     }
     parts
 }
 
+fn is_one_room(name: &str) -> bool {
+    ONE_ROOM.iter().any(|(room, _)| *room == name)
+}
+
 /// The module from which the paths `crate::` of a module begin.
 fn root(module: &[String]) -> &[String] {
-    &module[..usize::from(module.first().is_some_and(|room| room == "pipeline"))]
+    &module[..usize::from(module.first().is_some_and(|room| is_one_room(room)))]
 }
 
 /// Code of the sources below a folder by path from there; comments and what is compiled for tests alone do not count.
@@ -159,7 +158,7 @@ fn rooms_use_only_rooms_before_them() {
     let inside = [source_folder(), mathematics()].map(|folder| fs::read_dir(folder).unwrap());
     for room in inside.into_iter().flatten().map(|room| room.unwrap().path()) {
         let name = room.file_stem().unwrap().to_str().unwrap().to_owned();
-        if !room.is_dir() || mathematics().starts_with(&room) || pipeline().starts_with(&room) {
+        if !room.is_dir() || mathematics().starts_with(&room) || is_one_room(&name) {
             continue;
         }
         // What calls the program from Python is no room.
@@ -277,12 +276,14 @@ fn paths_are_read_out_of_groups_and_names_are_followed_to_where_they_are_defined
 }
 
 #[test]
-fn the_pipeline_knows_no_other_room() {
-    let manifest = fs::read_to_string(source_folder().join("pipeline/Cargo.toml")).unwrap();
-    let manifest: toml::Table = manifest.parse().unwrap();
-    let needed = manifest["dependencies"].as_table().unwrap();
-    let ours: Vec<_> = needed.keys().filter(|name| name.starts_with("signorini")).collect();
-    assert!(ours.is_empty(), "{ours:?}");
+fn packages_of_one_room_know_no_others() {
+    for (room, uses) in ONE_ROOM {
+        let manifest = source_folder().join(room).join("Cargo.toml");
+        let manifest: toml::Table = fs::read_to_string(manifest).unwrap().parse().unwrap();
+        let needed = manifest["dependencies"].as_table().unwrap();
+        let ours: Vec<_> = needed.keys().filter(|name| name.starts_with("signorini")).collect();
+        assert_eq!(ours, uses, "{room}");
+    }
 }
 
 #[test]

@@ -2,7 +2,6 @@
 
 use crate::common::{Project, TABLE};
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
-use signorini::report;
 use std::fs;
 use std::path::Path;
 
@@ -67,8 +66,10 @@ fn digits_that_no_number_has_are_refused_with_the_line_of_the_page() {
         [("fix(to=65536)", "`to` is 65536"), ("sci(digits=100000)", "`digits` is 100000")];
     for (filter, named) in filters {
         let page = format!("# One\n\n{{{{ 1.5 | {filter} }}}}\n");
-        let pages =
-            report::pages(&[("one.md.tera".to_owned(), page)].into(), &tera::Context::new());
+        let pages = signorini_book::pages(
+            &[("one.md.tera".to_owned(), page)].into(),
+            &tera::Context::new(),
+        );
         let error = pages.unwrap_err();
         assert!(error.contains(named), "{error}");
         assert!(error.starts_with("report/templates/one.md.tera:3: "), "{error}");
@@ -88,7 +89,7 @@ fn a_figure_is_found_by_its_name_whatever_signs_it_has() {
         context.insert("title", "*Q* [x](y) $5 `z`");
         let templates = [("parts.tera", parts), ("one.md.tera", page)];
         let templates = templates.map(|(name, text)| (name.to_owned(), text.to_owned()));
-        let pages = report::pages(&templates.into(), &context).unwrap();
+        let pages = signorini_book::pages(&templates.into(), &context).unwrap();
         let mut files: std::collections::BTreeMap<String, Vec<u8>> =
             pages.into_iter().map(|(name, text)| (name, text.into_bytes())).collect();
         files.insert("book.toml".into(), b"title = \"T\"\n".to_vec());
@@ -97,7 +98,7 @@ fn a_figure_is_found_by_its_name_whatever_signs_it_has() {
             files.insert(format!("src/figures/{name}.{ending}"), b"<svg/>".to_vec());
         }
         let scratch = tempfile::tempdir().unwrap();
-        let book = report::build(&files, scratch.path()).unwrap();
+        let book = signorini_book::build(&files, scratch.path()).unwrap();
         let html = String::from_utf8_lossy(&book["one.html"]).into_owned();
         assert!(html.contains(">Figure 1.1</a>") && html.contains("*Q* [x](y) $5 `z`"), "{html}");
         for address in html.split("src=\"").skip(1).filter_map(|rest| rest.split('"').next()) {

@@ -14,11 +14,10 @@ use crate::pipeline::{Artifacts, Inputs, Made, Task};
 use crate::replication::project::{Project, TRUTH};
 use crate::replication::scene::{Output, Scene};
 use crate::replication::study::Study;
-use crate::report;
-pub(crate) use crate::report::TEMPLATE;
 use crate::timing::recorded;
 use notebook::NotebookCell;
 use serde::{Deserialize, Serialize};
+pub(crate) use signorini_book::TEMPLATE;
 use signorini_mathematics::machine::memory::give_back;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -123,7 +122,7 @@ fn made(pages: &BookParts, inputs: &Inputs) -> Made {
     let BookParts { problems, others, studies, notebook, left_out, stand_ins } = pages;
     let stand_ins = stand_ins::files(stand_ins);
     if let Some(reason) = left_out {
-        return book(inputs, stand_ins, |templates| Ok(report::stubs(templates, reason)?));
+        return book(inputs, stand_ins, |templates| Ok(signorini_book::stubs(templates, reason)?));
     }
     let Solutions { listed, mut files } = Solutions::of(inputs, problems, others)?;
     for picture in notebook.iter().filter_map(|cell| cell.picture.as_ref()) {
@@ -141,7 +140,7 @@ fn made(pages: &BookParts, inputs: &Inputs) -> Made {
         context.insert("studies", &rows);
         context.insert("notebook", notebook);
         context.insert("solutions", &listed);
-        Ok(report::pages(templates, &context)?)
+        Ok(signorini_book::pages(templates, &context)?)
     })
 }
 
@@ -193,8 +192,8 @@ fn book(
     refuse_replaced(&files, &templates, made.keys().chain(pages.keys()))?;
     files.extend(made);
     files.extend(pages.iter().map(|(name, page)| (name.clone(), page.clone().into_bytes())));
-    let built = report::build(&files, inputs.scratch).map_err(|mistake| {
-        report::in_template(mistake, &pages, &templates).replace(['\n', '\r'], " ")
+    let built = signorini_book::build(&files, inputs.scratch).map_err(|mistake| {
+        signorini_book::in_template(mistake, &pages, &templates).replace(['\n', '\r'], " ")
     })?;
     let mut artifacts = Artifacts::new();
     for (name, page) in pages {

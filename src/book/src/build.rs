@@ -7,26 +7,25 @@ use super::outputs::{self, PAGES, Pages};
 use super::settings::{Settings, THEME};
 use super::summary::{SUMMARY, listed};
 use super::{includes, links};
-use crate::pipeline::error::Error;
-use crate::pipeline::files::{read_tree, temporary_folder};
-use crate::pipeline::names::described;
 use mdbook_driver::MDBook;
 use mdbook_driver::config::Config;
 use rayon::prelude::*;
-use signorini_mathematics::problem::text::is_forbidden;
+use signorini_pipeline::error::Error;
+use signorini_pipeline::files::{is_forbidden, read_tree, temporary_folder};
+use signorini_pipeline::names::described;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
 
 /// Page with which the book opens.
-pub(crate) const FIRST: &str = "index.html";
+pub const FIRST: &str = "index.html";
 
 /// Refuses a `book.toml` with a mistake.
 ///
 /// # Errors
 /// [`Error::Input`] with the line of the mistake.
-pub(crate) fn check_settings(book_toml: &[u8]) -> Result<(), Error> {
+pub fn check_settings(book_toml: &[u8]) -> Result<(), Error> {
     Settings::read(book_toml).map(|_| ())
 }
 

@@ -4,7 +4,7 @@
 //! Between the rendering of a template and the page, a number is in the text twice, as it is shown and with all its
 //! digits: [`with_digits`].
 
-use crate::table::quoted;
+use super::text::quoted;
 use regex::Regex;
 use serde_json::Value as Json;
 use std::collections::BTreeMap;

@@ -1,7 +1,7 @@
 //! Template filters for numbers in the book, which write LaTeX between dollars.
 
 use super::data::{as_shown, with_digits};
-use crate::table::in_markdown;
+use super::text::in_markdown;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use tera::{Kwargs, State, Tera, TeraResult, Value};
 

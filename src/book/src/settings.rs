@@ -1,9 +1,9 @@
 //! Settings of a book: its title, in `book.toml`, and what else mdBook asks.
 
-use crate::pipeline::error::{Error, Result, from_toml};
-use crate::pipeline::names::refuse_forbidden;
 use mdbook_driver::config::{Config, HtmlConfig, Search};
 use serde::Deserialize;
+use signorini_pipeline::error::{Error, Result, from_toml};
+use signorini_pipeline::names::refuse_forbidden;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 

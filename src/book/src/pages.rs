@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use tera::{Context, ErrorKind, Tera};
 
 /// Ending of the templates of which each becomes a page; other templates hold components.
-pub(crate) const PAGE: &str = ".md.tera";
+pub const PAGE: &str = ".md.tera";
 
 /// Renders every `*.md.tera` among `templates`, copies every `*.md` and `*.js`, and adds the data to which pages link.
 ///
@@ -45,7 +45,7 @@ pub fn pages(
 ///
 /// # Errors
 /// A sentence if two templates make one page.
-pub(crate) fn stubs(
+pub fn stubs(
     templates: &BTreeMap<String, String>,
     reason: &str,
 ) -> Result<BTreeMap<String, String>, String> {
@@ -59,7 +59,7 @@ pub(crate) fn stubs(
 }
 
 /// Returns a mistake in a page with its place in the template: the line, if the template has an equal one.
-pub(crate) fn in_template(
+pub fn in_template(
     mistake: String,
     pages: &BTreeMap<String, String>,
     templates: &BTreeMap<String, String>,

@@ -1,0 +1,21 @@
+#![doc = include_str!("../README.md")]
+
+mod build;
+mod contents;
+mod data;
+mod filters;
+mod includes;
+mod labels;
+mod links;
+mod markdown;
+mod mathml;
+mod outputs;
+mod pages;
+mod rows;
+mod settings;
+mod summary;
+mod text;
+
+pub use build::{FIRST, build, check_settings};
+pub use pages::{PAGE as TEMPLATE, in_template, pages, stubs};
+pub use text::{code_in_markdown, in_markdown, quoted};
