@@ -17,7 +17,7 @@ use crate::timing::recorded::Machine;
 use clap::Args;
 use serde_json::{Map, Value, json};
 use signorini_mathematics::problem::text::plain;
-use signorini_mathematics::solvers::{Solver, solve, true_solution};
+use signorini_mathematics::solvers::Memory;
 use signorini_mathematics::statement::Statement;
 use std::hint::black_box;
 use std::path::PathBuf;
@@ -111,13 +111,10 @@ fn median(statement: &Statement, file: Option<&[u8]>, repeats: usize) -> Option<
         return Some(time(repeats, || _ = black_box(statement.solved(file).is_ok())));
     }
     let problem = statement.problem(statement.mesh(file).ok()?.as_ref(), &|_| ()).ok()?;
-    if statement.solver == Solver::Spectral {
-        true_solution(&problem).ok()?;
-        return Some(time(repeats, || _ = black_box(true_solution(&problem).is_ok())));
-    }
-    let settings = statement.settings(&problem);
-    solve(&problem, &settings).ok()?;
-    Some(time(repeats, || _ = black_box(solve(&problem, &settings).is_ok())))
+    let memory = Memory::new(None);
+    let solve = || statement.solve(problem.clone(), memory, &mut (), &|_| ());
+    solve().ok()?;
+    Some(time(repeats, || _ = black_box(solve().is_ok())))
 }
 
 /// Table with all columns and digits.

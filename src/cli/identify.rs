@@ -10,10 +10,8 @@ use crate::replication::identified::IdentifiedRecord;
 use crate::replication::project::{IDENTIFIED, Project};
 use clap::Args;
 use serde::Serialize;
-use signorini_mathematics::identify::{
-    Evaluator, Found, Geometry, IdentifyError, Lattice, SearchReport, Target, Variant, found,
-    search,
-};
+use signorini_mathematics::identify::{Found, SearchReport, Target, Variant};
+use std::fmt::Display;
 
 /// End of `identify --help`.
 pub(super) const EXAMPLES: &str = "\
@@ -37,7 +35,8 @@ pub(super) struct IdentifyArgs {
 
 /// Published tables, and what is asked about them.
 struct Search {
-    lattice: Lattice,
+    /// Range of the values of f, `MIN:MAX:STEP`.
+    values: String,
     tables: Vec<Published>,
 }
 
@@ -95,21 +94,20 @@ impl Search {
             return Err(Error::input(format!("{IDENTIFIED} is not there; restore it")));
         };
         let record: IdentifiedRecord = from_record(IDENTIFIED, file.bytes()?)?;
-        let lattice = record.questions.values.parse();
-        let lattice = lattice.map_err(|e| Error::input(format!("{IDENTIFIED}: values: {e}")))?;
         let mut tables = Vec::new();
         for number in project.paper.table.iter().map(|table| table.number) {
             let recorded = record.alternatives(number).to_vec();
             tables.push(Published { number, target: project.paper.target(number)?, recorded });
         }
-        Ok(Self { lattice, tables })
+        Ok(Self { values: record.questions.values, tables })
     }
 
     /// Runs the f on record and searches, for each table in turn, and shows what was found.
     fn find(&self, json: bool) -> Result<()> {
         let mut answers = Vec::new();
         for table in &self.tables {
-            let recorded = table.on_record()?;
+            let recorded = table.target.found(&Variant::default(), &table.recorded);
+            let recorded = recorded.map_err(refused)?;
             let report = self.searched(table, &Variant::default())?;
             answers.push(Answer { problem: table.number, recorded, report });
         }
@@ -144,21 +142,10 @@ impl Search {
 
     fn searched(&self, table: &Published, variant: &Variant) -> Result<SearchReport> {
         let stop = interrupted().flag();
-        search(&self.lattice, variant, &table.target, stop, &mut |_, _| ()).map_err(refused)
+        table.target.searched(&self.values, variant, stop).map_err(refused)
     }
 }
 
-impl Published {
-    /// Runs the f that are on record for this table.
-    fn on_record(&self) -> Result<Vec<Found>> {
-        let quadrants = [Geometry::quadrants()];
-        let evaluator = Evaluator::new(&self.target, &Variant::default(), &quadrants);
-        let mut evaluator = evaluator.map_err(refused)?;
-        let recorded = self.recorded.iter();
-        Ok(recorded.map(|values| found(&mut evaluator, 0, &quadrants[0], values)).collect())
-    }
-}
-
-fn refused(error: IdentifyError) -> Error {
-    Error::input(error.to_string())
+fn refused(error: impl Display) -> Error {
+    Error::input(format!("{IDENTIFIED}: {error}"))
 }

@@ -28,7 +28,7 @@ use files::{Format, PictureKind};
 use points::PointArgs;
 use request::Request;
 use signorini_mathematics::levels::Problem;
-use signorini_mathematics::solvers::{Solver, recovered};
+use signorini_mathematics::solvers::Solver;
 use signorini_mathematics::statement::Statement;
 use std::path::{Path, PathBuf};
 
@@ -267,7 +267,8 @@ fn write(
     if !args.recover {
         return request.write(file, (problem, &pair), &answer.values);
     }
-    let recovered = recovered(problem, &pair)
+    let recovered = problem
+        .recovered(&pair)
         .map_err(|reason| Error::input(format!("--recover: {reason}; leave it out")))?;
     let (finer, pair) =
         recovered.ok_or_else(|| Error::input("--recover is for the square; leave it out"))?;

@@ -9,7 +9,6 @@ use super::panels::Panels;
 use super::picture::{NORMAL, Picture, SMALL, italic, plain};
 use super::regions::{Disc, RASTER, raster, regions, widest};
 use super::text::{Ticks, number_width, short};
-use signorini_mathematics::discrete::norms::largest;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::PlaneMesh;
 use signorini_mathematics::problem::source::Source;
@@ -125,7 +124,7 @@ pub(super) fn bar_below(layout: &Panels, width: f64) -> Bar {
 
 /// Returns the colours of values of f, symmetric about 0.
 fn colours_of_f(values: &[f64]) -> ColourScale {
-    let limit = largest(values);
+    let limit = values.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
     ColourScale::Diverging { limit: if limit > 0.0 { limit } else { 1.0 } }
 }
 

@@ -20,6 +20,13 @@ pub struct Row {
     pub delta_a: f64,
 }
 
+impl Row {
+    /// True if `max_iterations` cut off the count on this grid.
+    pub(crate) fn is_capped(&self, level: usize) -> bool {
+        self.capped.get(level) == Some(&true)
+    }
+}
+
 /// Comparison of a computed table with the published one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TableComparison {

@@ -7,9 +7,7 @@ use crate::pipeline::error::Error;
 use crate::replication::fields::table::Voice;
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::problem::text::percent;
-use signorini_mathematics::solvers::{
-    MOST_CELLS, ReachEnd, Refusal, Solved, Solver, takes_spectral,
-};
+use signorini_mathematics::solvers::{MOST_CELLS, ReachEnd, Refusal, Solved, Solver};
 use signorini_mathematics::statement::{Statement, StatementError};
 
 impl Voice {
@@ -108,7 +106,7 @@ impl Voice {
                 let [nodes, _] = solved.problem.lengths();
                 let fact = format!("is not reached: {error} with {nodes} nodes; {}", reason(end));
                 let less =
-                    if takes_spectral(&solved.problem) { less_or_spectral } else { "ask for less" };
+                    if solved.problem.takes_spectral() { less_or_spectral } else { "ask for less" };
                 (fact, remedy(end, solved, less))
             }
         };

@@ -17,7 +17,7 @@ use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::problem::unsolvable::Unsolvable;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
-use signorini_mathematics::solvers::{Refusal, true_solution};
+use signorini_mathematics::solvers::Refusal;
 use signorini_mathematics::spectral::TrueSolution;
 
 const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
@@ -37,7 +37,7 @@ fn solved(n: usize, f: &Source, rule: LoadRule, goal: Goal) -> (Grid, Vec<f64>) 
 fn truth_of(f: &Source) -> Result<TrueSolution, Refusal> {
     let grids = vec![Grid::new(2).unwrap()];
     let problem = Problem::on_square(grids, f.clone(), LoadRule::Bilinear {}, Law::SIGNORINI);
-    true_solution(&problem.unwrap())
+    problem.unwrap().true_solution()
 }
 
 /// Problems with their true energies.

@@ -9,7 +9,7 @@ use crate::layout::{
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most items of the mathematics that the program names.
-const ITEMS_OF_THE_MATHEMATICS: usize = 85;
+const ITEMS_OF_THE_MATHEMATICS: usize = 60;
 
 /// Most public types of the mathematics: structures, enumerations, traits and names of types.
 const TYPES_OF_THE_MATHEMATICS: usize = 160;

@@ -61,8 +61,7 @@ fn evaluator<'a>(target: &'a Target, variant: &Variant) -> Evaluator<'a> {
 }
 
 fn run(values: &str, target: &Target) -> SearchReport {
-    let (lattice, never) = (values.parse().unwrap(), AtomicBool::new(false));
-    search(&lattice, &Variant::default(), target, &never, &mut |_, _| ()).unwrap()
+    target.searched(values, &Variant::default(), &AtomicBool::new(false)).unwrap()
 }
 
 /// The report of a search on so many threads.
@@ -203,10 +202,9 @@ fn searches_stop_in_the_midst_of_a_candidate() {
     let mut target = coarse(published(2), 2);
     target.counts.iter_mut().for_each(|row| row[0] = 1_000_000_000_000);
     let stop = AtomicBool::new(false);
-    let (lattice, variant) = ("-6:2:1".parse().unwrap(), Variant::default());
     std::thread::scope(|scope| {
         let searching =
-            scope.spawn(|| search(&lattice, &variant, &target, &stop, &mut |_, _| ()).unwrap());
+            scope.spawn(|| target.searched("-6:2:1", &Variant::default(), &stop).unwrap());
         stop.store(true, Ordering::Relaxed);
         let report = searching.join().unwrap();
         assert!(!report.complete && report.found.is_empty(), "{report:?}");
@@ -215,13 +213,18 @@ fn searches_stop_in_the_midst_of_a_candidate() {
 
 #[test]
 fn a_raised_flag_keeps_what_was_found() {
-    let target = coarse(published(2), 2);
-    let (lattice, stop) = ("-8:4:0.05".parse().unwrap(), AtomicBool::new(false));
-    let mut observe = |_: f64, report: &SearchReport| {
-        stop.store(report.exact > 0, Ordering::Relaxed);
-    };
-    let report = search(&lattice, &Variant::default(), &target, &stop, &mut observe).unwrap();
-    assert!(!report.complete && !report.found.is_empty());
+    let (target, values) = (coarse(published(2), 2), "-8:4:0.05");
+    let (all, stop) = (run(values, &target), AtomicBool::new(false));
+    std::thread::scope(|scope| {
+        let searching =
+            scope.spawn(|| target.searched(values, &Variant::default(), &stop).unwrap());
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        stop.store(true, Ordering::Relaxed);
+        let report = searching.join().unwrap();
+        assert!(report.exact <= all.exact && report.tried <= all.tried, "{report:?}");
+        assert_eq!(report.complete, report == all);
+        assert_eq!(report.exact == 0, report.found.is_empty());
+    });
 }
 
 #[test]

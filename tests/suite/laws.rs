@@ -222,7 +222,7 @@ fn minus_f_with_friction_gives_minus_v_to_the_last_bit() {
         let params = Params { rule: StopRule::Printed, tolerance: 1e-3, ..Params::default() };
         let [(pair, run), (minus, other)] = [&load, &opposite].map(|load| {
             let mut pair = Pair::zero(grid);
-            let run = solve(grid, law.with_load(load), &params, &mut pair, None);
+            let run = solve(grid, law.with_load(load), &params, &mut pair);
             (pair, run)
         });
         assert!((negative(&pair.y), negative(&pair.a)) == (minus.y, minus.a), "{problem:?}");

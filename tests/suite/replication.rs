@@ -12,7 +12,7 @@ use signorini_mathematics::discrete::norms::max_error;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{
-    Monitor, NestedGrids, Pair, Params, StopRule, arrow_hurwicz, run_nested, solve, solve_nested,
+    Iteration, Monitor, NestedGrids, Pair, Params, StopRule, arrow_hurwicz, run_nested, solve, solve_nested,
     tolerance,
 };
 
@@ -74,7 +74,7 @@ fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() 
             let network = Network::of_square(grids[k]);
             let params = Params { tolerance: tolerance(k + 1), ..params };
             let problem = Law::SIGNORINI.with_load(&loads[k]);
-            defined.push(solve(&network, problem, &params, &mut pair[0], None));
+            defined.push(solve(&network, problem, &params, &mut pair[0]));
             Ok::<(), ()>(())
         })
         .unwrap();
@@ -129,8 +129,9 @@ struct ErrorsOnGrids<'a, F> {
 }
 
 impl<F: Fn(f64, f64) -> f64> Monitor for ErrorsOnGrids<'_, F> {
-    fn level(&mut self, level: usize, pair: &Pair) {
-        self.largest.push(max_error(self.grids[level - 1], &pair.y, &self.exact));
+    fn level(&mut self, pair: &Pair, _: &[Iteration]) {
+        let grid = self.grids[self.largest.len()];
+        self.largest.push(max_error(grid, &pair.y, &self.exact));
     }
 }
 

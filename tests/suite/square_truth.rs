@@ -9,7 +9,7 @@ use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::problem::source::Source;
-use signorini_mathematics::solvers::{Refusal, Settings, Solver, solve, true_solution};
+use signorini_mathematics::solvers::{Refusal, Settings, Solver, solve};
 use signorini_mathematics::spectral::{PlaneError, TrueSolution};
 
 /// Problems, one a line: the energy to fourteen digits, the number of arcs in contact, the law, and f. In the order of the
@@ -26,7 +26,7 @@ fn problem(f: &str, law: Law, cells: usize) -> Problem {
 }
 
 fn solved_under(f: &str, law: Law) -> TrueSolution {
-    true_solution(&problem(f, law, 2)).unwrap_or_else(|e| panic!("{f}, {law}: {e}"))
+    problem(f, law, 2).true_solution().unwrap_or_else(|e| panic!("{f}, {law}: {e}"))
 }
 
 fn solved(f: &str) -> TrueSolution {
@@ -156,7 +156,7 @@ fn what_nearly_touches_is_as_good_as_touching() {
     for family in families {
         let touching = solved(&family(0.0)).energy;
         for d in [1e-15, 1e-13, 1e-10, 1e-8, 1e-6] {
-            match true_solution(&problem(&family(d), Law::SIGNORINI, 2)) {
+            match problem(&family(d), Law::SIGNORINI, 2).true_solution() {
                 Ok(near) => close(near.energy, touching, 1e-11 + 4.0 * d),
                 Err(error) => refused.push(format!("{}: {error}", family(d))),
             }
@@ -169,10 +169,10 @@ fn what_nearly_touches_is_as_good_as_touching() {
 fn what_is_not_solved_is_refused() {
     let cube = AnyMesh::built_in("cube").unwrap();
     let in_space = Problem::on_mesh(&cube, 1, "else=-1", Law::SIGNORINI).unwrap();
-    assert_eq!(true_solution(&in_space).err(), Some(Refusal::NotInSpace(Solver::Spectral)));
+    assert_eq!(in_space.true_solution().err(), Some(Refusal::NotInSpace(Solver::Spectral)));
     // No polynomial; a disc that is too small to be seen.
     for f in ["formula(abs(x) - 1)", "disc(0.3,-0.4,1e-12)=-1e20; else=-1"] {
-        let refused = true_solution(&problem(f, Law::SIGNORINI, 2)).err();
+        let refused = problem(f, Law::SIGNORINI, 2).true_solution().err();
         assert!(
             matches!(refused, Some(Refusal::Spectral(PlaneError::Source(_)))),
             "{f}: {refused:?}"
@@ -187,7 +187,7 @@ fn random_energies_lie_in_the_brackets_of_multigrid_and_of_their_own() {
         let f = random_source(&mut dice).to_string();
         let law = [Law::SIGNORINI, Law::limited(30.0).unwrap(), Law::friction(8.0).unwrap()][k % 3];
         let problem = problem(&f, law, 64);
-        let truth = true_solution(&problem).unwrap_or_else(|e| panic!("{f}, {law}: {e}"));
+        let truth = problem.true_solution().unwrap_or_else(|e| panic!("{f}, {law}: {e}"));
         let run = solve(&problem, &Settings::of(Solver::Multigrid)).unwrap();
         let [low, high] = problem.bounds(&run.y).unwrap().energy;
         assert!(low <= truth.energy && truth.energy <= high, "{f}, {law}: {low} {high}");

@@ -10,7 +10,7 @@ use indicatif::ProgressBar;
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::saddle::Monitor;
-use signorini_mathematics::solvers::{Tried, Watcher, takes_spectral};
+use signorini_mathematics::solvers::{Tried, Watcher};
 use signorini_mathematics::statement::Statement;
 use std::ops::ControlFlow;
 
@@ -103,7 +103,7 @@ pub(super) fn note(statement: &Statement, voice: Voice, problem: &Problem) -> Op
     let text = format!(
         "note: {asked} takes millions of nodes, if they are enough; --solver spectral has the true solution"
     );
-    (is_hard && takes_spectral(problem)).then_some(text)
+    (is_hard && problem.takes_spectral()).then_some(text)
 }
 
 /// Accuracy to which meshes are adapted; none on the square, and if none is asked for.

@@ -13,7 +13,6 @@ use crate::replication::written::reason;
 use crate::table::Table;
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::Accuracy;
-use signorini_mathematics::discrete::kkt::StateCounts;
 use signorini_mathematics::mesh::PointValue;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::text::{Written, plain};
@@ -24,8 +23,8 @@ use signorini_mathematics::solvers::{Run, Solved, Solver};
 const DIGITS: usize = 7;
 
 /// Returns numbers of boundary nodes by their states in words.
-fn states_in_words(states: StateCounts, law: Law) -> String {
-    let (StateCounts { sticks, slips_up, slips_down }, all) = (states, states.all());
+fn states_in_words([sticks, slips_up, slips_down]: [usize; 3], law: Law) -> String {
+    let all = sticks + slips_up + slips_down;
     if law.is_signorini() {
         return format!("contact in {sticks} of {all} boundary nodes");
     }
@@ -141,7 +140,9 @@ impl Answer {
         let [least, greatest] = last.range.map(|v| plain(v, 6));
         text += &format!("v from {least} to {greatest}\n");
         let arcs = self.solved.contact().unwrap_or_default();
-        text += &states_in_words(run.judgement.state_counts(), law);
+        let states = run.judgement.state_counts();
+        let states = [states.sticks, states.slips_up, states.slips_down];
+        text += &states_in_words(states, law);
         let parts = problem.parts_in_contact(&run.judgement);
         if let Some(parts) = parts.as_ref().filter(|parts| arcs.is_empty() && !parts.is_empty()) {
             text += &format!(", on {parts}");

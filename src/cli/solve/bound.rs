@@ -2,7 +2,6 @@
 
 use crate::replication::numbers::{Numbers, with_share};
 use crate::replication::record::{CONTACT_FORCE, FLUX};
-use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::problem::text::{known, plain};
 use signorini_mathematics::solvers::Solved;
 
@@ -41,7 +40,16 @@ pub(super) fn boundary(solved: &Solved) -> String {
         && problem.levels().mesh(0).part_names().nth(1).is_some();
     let mut text = String::new();
     for arc in &arcs {
-        let (place, force) = (place(arc, has_parts, digits), force(arc.force, error));
+        let ends = match arc.error {
+            Some([before, after]) => {
+                [[arc.from, [before; 2]], [arc.to, [after; 2]]].map(known_point)
+            }
+            None => [arc.from, arc.to].map(|[x, y]| format!("({x:.digits$}, {y:.digits$})")),
+        };
+        let on = arc.part.as_ref().filter(|_| has_parts);
+        let on = on.map_or(String::new(), |part| format!(" on {part}"));
+        let place = if arc.closed { format!("everywhere{on}") } else { between(ends, &on, digits) };
+        let force = force(arc.force, error);
         text += &format!("{holds} {place}, force {force}\n");
     }
     let sums = [solved.force(), 0.0 - solved.integral()];
@@ -53,18 +61,11 @@ pub(super) fn boundary(solved: &Solved) -> String {
     text
 }
 
-/// Returns, as text, the place of an arc, with the name of its part of the boundary if that `has_parts`.
-fn place(arc: &ContactArc, has_parts: bool, digits: usize) -> String {
-    let [from, to] = match arc.error {
-        Some([before, after]) => [[arc.from, [before; 2]], [arc.to, [after; 2]]].map(known_point),
-        None => [arc.from, arc.to].map(|[x, y]| format!("({x:.digits$}, {y:.digits$})")),
-    };
-    let on = arc.part.as_ref().filter(|_| has_parts);
-    let on = on.map_or(String::new(), |part| format!(" on {part}"));
-    match arc.closed {
-        true => format!("everywhere{on}"),
+/// Returns, as text, the place of an arc between its ends, whose numbers have so many digits, `on` a part.
+fn between([from, to]: [String; 2], on: &str, digits: usize) -> String {
+    match digits > SIX {
         // Long numbers take a line each.
-        false if digits > SIX => format!("from {from}\n  to {to}"),
+        true => format!("from {from}\n  to {to}"),
         false => format!("from {from} to {to}{on}"),
     }
 }

@@ -6,13 +6,13 @@ use signorini_mathematics::discrete::grid::nested;
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::solvers::{Settings, Solver, solve, true_solution};
+use signorini_mathematics::solvers::{Settings, Solver, solve};
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let f = "disc(-0.25,0,0.2)=6; else=-1".parse()?;
     let grids = nested(&[64, 128, 256])?;
     let problem = Problem::on_square(grids, f, LoadRule::Bilinear {}, Law::SIGNORINI)?;
-    let truth = true_solution(&problem)?;
+    let truth = problem.true_solution()?;
     let run = solve(&problem, &Settings::of(Solver::Multigrid))?;
     println!("energy {:.12}, on the grid 1/256 {:.12}", truth.energy, run.judgement.energy);
     let point = [0.1, 0.2];

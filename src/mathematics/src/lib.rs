@@ -17,7 +17,7 @@
 //! | read a mesh of Gmsh, or take a built-in one | [`mesh::gmsh::read`], [`mesh::AnyMesh::built_in`] |
 //! | read the paper's method as the paper writes it | [`saddle::Plain`] |
 //! | solve many loads on one grid of the square | [`multigrid::Multigrid`] |
-//! | have the true solution on a domain in the plane | [`solvers::true_solution`] |
+//! | have the true solution on a domain in the plane | [`levels::Problem::true_solution`] |
 //! | know v and its gradient at a point | [`solvers::Solved::values_at`], [`levels::Problem::values_at`] |
 //! | write files for NumPy, ParaView | [`levels::Problem::npz`], [`levels::Problem::vtk`] of [`solvers::Run::pair`] |
 //!
@@ -32,7 +32,7 @@
 //! use signorini_mathematics::discrete::load::LoadRule;
 //! use signorini_mathematics::levels::Problem;
 //! use signorini_mathematics::problem::law::Law;
-//! use signorini_mathematics::solvers::{Settings, Solver, solve, true_solution};
+//! use signorini_mathematics::solvers::{Settings, Solver, solve};
 //!
 //! let f = "rect(-0.25,0.25,-0.25,0.25)=1.5; else=-1".parse()?;
 //! let grids = nested(&[32, 64, 128])?;
@@ -40,7 +40,7 @@
 //! let run = solve(&problem, &Settings::of(Solver::Multigrid))?;
 //! assert!(run.judgement.kkt.relative < 1e-10);
 //! let [low, high] = problem.bounds(&run.y)?.energy;
-//! let truth = true_solution(&problem)?;
+//! let truth = problem.true_solution()?;
 //! assert!(low <= truth.energy && truth.energy <= high);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

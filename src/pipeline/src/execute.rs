@@ -4,9 +4,9 @@
 
 use super::manifest::{Manifest, Reason, Verdict};
 use super::names::in_shell;
-use super::run::run;
+use super::run;
 use super::store::{Hit, Store};
-use super::{Hashes, Interrupt, Judged, Options, Plan, Progress, Ran, Summary, Task, why};
+use super::{Group, Interrupt, Judged, Options, Plan, Progress, Ran, Summary, Task, why};
 use crate::error::{Error, Result};
 use rayon::prelude::*;
 use rayon::{Scope, ThreadPool, ThreadPoolBuilder};
@@ -17,7 +17,8 @@ use std::time::Instant;
 /// Walks the plan; writes only to the cache, whose lock the caller holds.
 ///
 /// 1. Judge: look up all tasks whose needs are up to date, until none is left; those that the cache lacks are stale.
-/// 2. Run stale tasks, each in a thread of its own, at most as many at once as there are threads.
+/// 2. Run stale tasks, each in a thread of its own or with others of its group in one, in no more threads than there
+///    are.
 /// 3. After each task that ends, judge the tasks that waited for it, and run those that are stale.
 ///
 /// Easily broken: the inputs of a task are known only when all its needs are up to date, because artifacts are inputs
@@ -72,6 +73,9 @@ struct Job {
     inputs: BTreeMap<String, String>,
     reason: Reason,
 }
+
+/// Task that has run, with its record.
+type Ended = (Ran, Result<Manifest>);
 
 struct Walk<'a> {
     plan: &'a Plan,
@@ -191,18 +195,23 @@ impl<'a> Walk<'a> {
             loop {
                 // At most as many as there are threads, so that after an interrupt no other task is started.
                 while running < pool.current_num_threads() && !self.stops() && broken.is_none() {
-                    let Some(job) = queue.pop_front() else { break };
-                    self.start(job, scope, &send);
+                    let jobs = self.next(&mut queue, pool.current_num_threads());
+                    if jobs.is_empty() {
+                        break;
+                    }
+                    self.start(jobs, scope, &send);
                     running += 1;
                 }
                 if running == 0 {
                     break;
                 }
-                let (ran, made) = receive.recv().expect("this end has a sender as well");
+                let ended = receive.recv().expect("this end has a sender as well");
                 running -= 1;
-                match self.settle(ran, made) {
-                    Ok(jobs) => queue.extend(jobs),
-                    Err(e) => broken = broken.take().or(Some(e)),
+                for (ran, made) in ended {
+                    match self.settle(ran, made) {
+                        Ok(jobs) => queue.extend(jobs),
+                        Err(e) => broken = broken.take().or(Some(e)),
+                    }
                 }
             }
         });
@@ -227,27 +236,53 @@ impl<'a> Walk<'a> {
         failed || self.interrupt.is_asked()
     }
 
-    /// Starts a job in a thread, which reports its end to `send`.
-    fn start<'s>(&self, job: Job, scope: &Scope<'s>, send: &Sender<(Ran, Result<Manifest>)>)
+    /// Takes the next job from a queue, with as many others of its group as leave no thread without work.
+    fn next(&self, queue: &mut VecDeque<Job>, threads: usize) -> Vec<Job> {
+        let share = queue.len().div_ceil(threads);
+        let group = |job: &Job| self.plan.tasks()[job.task].group.as_ref();
+        let Some(first) = queue.pop_front() else { return Vec::new() };
+        let of_first = group(&first);
+        let mut jobs = vec![first];
+        if let Some(Group { most, .. }) = of_first {
+            let others = (0..queue.len()).filter(|&k| group(&queue[k]) == of_first);
+            let others: Vec<_> = others.collect();
+            let most = share.clamp(1, *most);
+            // In equal parts.
+            let parts = (1 + others.len()).div_ceil(most);
+            let taken = (1 + others.len()).div_ceil(parts) - 1;
+            for k in others[..taken].iter().rev() {
+                jobs.extend(queue.remove(*k));
+            }
+            jobs[1..].reverse();
+        }
+        jobs
+    }
+
+    /// Starts jobs side by side in a thread, which reports their ends to `send`.
+    fn start<'s>(&self, jobs: Vec<Job>, scope: &Scope<'s>, send: &Sender<Vec<Ended>>)
     where
         'a: 's,
     {
         let (send, store, interrupt) = (send.clone(), self.store, self.interrupt);
-        let plan = self.plan;
-        let task = &plan.tasks()[job.task];
-        self.progress.start(&task.id);
-        let mut needed: Vec<(String, Hashes)> = Vec::new();
-        for need in &task.needs {
-            needed.push((need.clone(), self.manifest(need).outputs.clone()));
+        let (mut tasks, mut reasons) = (Vec::new(), Vec::new());
+        for Job { task, inputs, reason } in jobs {
+            let task = &self.plan.tasks()[task];
+            self.progress.start(&task.id);
+            let needs = task.needs.iter();
+            let needed = needs.map(|need| (need.clone(), self.manifest(need).outputs.clone()));
+            tasks.push(run::Job { task, inputs, needed: needed.collect() });
+            reasons.push((task.id.clone(), reason));
         }
         let at_work = interrupt.begin();
         scope.spawn(move |_| {
             let start = Instant::now();
-            let made = run(task, job.inputs, needed, (store, interrupt));
+            let made = run::run(tasks, store, interrupt);
             drop(at_work);
-            let ran = Ran { task: task.id.clone(), reason: job.reason, time: start.elapsed() };
+            let time = start.elapsed() / made.len() as u32;
+            let ended = made.into_iter().zip(reasons);
+            let ended = ended.map(|(made, (task, reason))| (Ran { task, reason, time }, made));
             // The receiver lives as long as the scope.
-            let _ = send.send((ran, made));
+            let _ = send.send(ended.collect());
         });
     }
 

@@ -1,13 +1,4 @@
-//! A make for pure functions: tasks turn hashed bytes into hashed bytes, and a task that is up to date does not run.
-//!
-//! A [`Task`] names its inputs (a value, files, artifacts of other tasks) and computes its artifacts from them alone:
-//! its function is a pointer, which can hold nothing, and gets the value as it is read back from what is hashed. The
-//! [`Store`] keeps artifacts by content and, per task, a [`Manifest`] of every run: inputs and outputs by hash. The
-//! program itself is an input of every task. A task is up to date if some manifest has today's inputs and its artifacts
-//! are intact; since artifacts are inputs by content, tasks stay up to date if those that they need reproduce their
-//! artifacts bit for bit.
-//!
-//! Central is [`execute`], which walks a [`Plan`].
+#![doc = include_str!("../README.md")]
 
 mod change;
 mod engine;
@@ -98,10 +89,21 @@ pub struct Task {
     /// The value as it is hashed, by dotted keys.
     parameters: BTreeMap<String, String>,
     work: Work,
+    group: Option<Group>,
 }
 
-/// Function that computes a task's artifacts from its value and inputs.
-type Work = Box<dyn Fn(&Value, &Inputs) -> Made + Send + Sync>;
+/// Function that computes the artifacts of tasks, each from its value and inputs.
+type Work = Box<dyn Fn(&[(&Value, &Inputs)]) -> Vec<Made> + Send + Sync>;
+
+/// Tasks with one function that take less time side by side, and make the same bytes: those that are to be run of them
+/// run in one thread.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// Text that the tasks of the group have, and no others.
+    pub key: String,
+    /// Most that run side by side.
+    pub most: usize,
+}
 
 impl Task {
     /// Returns a task that reads no files, and whose artifacts stay in the cache.
@@ -114,12 +116,36 @@ impl Task {
         needs: Vec<String>,
         work: fn(&P, &Inputs) -> Made,
     ) -> Self {
+        Self::of(id.into(), value, needs, move |all: &[(P, &Inputs)]| {
+            all.iter().map(|(value, inputs)| work(value, inputs)).collect()
+        })
+    }
+
+    /// As [`Task::new`], of a function for all tasks of a group; it gives to each what it gives to the task alone.
+    pub fn in_group<P: Serialize + DeserializeOwned + 'static>(
+        id: impl Into<String>,
+        value: &P,
+        group: Option<Group>,
+        work: fn(&[(P, &Inputs)]) -> Vec<Made>,
+    ) -> Self {
+        Self { group, ..Self::of(id.into(), value, Vec::new(), work) }
+    }
+
+    fn of<P: Serialize + DeserializeOwned + 'static>(
+        id: String,
+        value: &P,
+        needs: Vec<String>,
+        work: impl Fn(&[(P, &Inputs)]) -> Vec<Made> + Send + Sync + 'static,
+    ) -> Self {
         let value = serde_json::to_value(value).expect("the value of a task is plain data");
         let mut parameters = BTreeMap::new();
         flatten("", &value, &mut parameters);
-        let work: Work = Box::new(move |value, inputs| work(&P::deserialize(value)?, inputs));
-        let (id, files, export) = (id.into(), InputFiles::new(), None);
-        Self { id, files, needs, export, value, parameters, work }
+        let work: Work = Box::new(move |all| {
+            let read = |&(value, inputs)| (P::deserialize(value).expect("read as written"), inputs);
+            work(&all.iter().map(read).collect::<Vec<_>>())
+        });
+        let (files, export, group) = (InputFiles::new(), None, None);
+        Self { id, files, needs, export, value, parameters, work, group }
     }
 
     /// Returns the task with these files.
@@ -130,11 +156,6 @@ impl Task {
     /// Returns the task with a copy of every artifact in this folder of the project.
     pub fn exported_to(self, folder: &'static str) -> Self {
         Self { export: Some(folder), ..self }
-    }
-
-    /// Makes the artifacts.
-    fn make(&self, inputs: &Inputs) -> Made {
-        (self.work)(&self.value, inputs)
     }
 }
 
@@ -201,7 +222,9 @@ impl Plan {
     pub fn refuse(&mut self, reason: impl Fn(&str) -> Option<String>) {
         for task in &mut self.tasks {
             if let Some(reason) = reason(&task.id) {
-                task.work = Box::new(move |_, _| Err(reason.clone().into()));
+                task.work =
+                    Box::new(move |all| all.iter().map(|_| Err(reason.clone().into())).collect());
+                task.group = None;
             }
         }
     }
@@ -320,7 +343,8 @@ mod tests {
             interrupted: &AtomicBool::new(false),
         };
         let want: Vec<u8> = parts.r.iter().flat_map(|r| r.to_le_bytes()).chain([0]).collect();
-        assert_eq!(task.make(&inputs).unwrap()["out"], want);
+        let made = (task.work)(&[(&task.value, &inputs)]);
+        assert_eq!(made[0].as_ref().unwrap()["out"], want);
     }
 
     fn task(id: &str, needs: &[&str]) -> Task {

@@ -1,4 +1,4 @@
-//! Run of one task: reads the artifacts that it needs from the store, and stores those that it makes.
+//! Run of tasks: reads the artifacts that they need from the store, and stores those that they make.
 
 use super::manifest::Manifest;
 use super::store::Store;
@@ -8,36 +8,68 @@ use std::any::Any;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Runs a task; returns its record.
+/// Task that is to be run.
+pub(super) struct Job<'a> {
+    pub(super) task: &'a Task,
+    pub(super) inputs: BTreeMap<String, String>,
+    /// Artifacts of the tasks that it needs.
+    pub(super) needed: Vec<(String, Hashes)>,
+}
+
+/// Runs tasks of one group, or one alone, by the function of the first; returns the record of each.
 pub(super) fn run(
-    task: &Task,
-    inputs: BTreeMap<String, String>,
-    needed: Vec<(String, Hashes)>,
-    (store, interrupt): (&Store, &Interrupt),
-) -> Result<Manifest> {
-    let mut artifacts = BTreeMap::<String, Artifacts>::new();
-    for (need, outputs) in &needed {
-        artifacts.insert(need.clone(), store.artifacts(need, outputs)?);
+    jobs: Vec<Job<'_>>,
+    store: &Store,
+    interrupt: &Interrupt,
+) -> Vec<Result<Manifest>> {
+    let mut read = Vec::new();
+    for Job { task, inputs, needed } in &jobs {
+        match artifacts(needed, store) {
+            Ok(artifacts) => read.push((*task, artifacts, shown_digest(inputs))),
+            Err(e) => return vec![Err(e)],
+        }
     }
-    let digest = shown_digest(&inputs);
-    let given = Inputs {
+    let inputs = read.iter().map(|(task, artifacts, digest)| Inputs {
         task: &task.id,
         files: &task.files,
-        artifacts: &artifacts,
-        digest: &digest,
+        artifacts,
+        digest,
         scratch: store.scratch(),
         interrupted: interrupt.flag(),
-    };
+    });
+    let inputs: Vec<_> = inputs.collect();
+    let given: Vec<_> = jobs.iter().map(|job| &job.task.value).zip(&inputs).collect();
     // A panic must not end the other tasks; its own message has been printed.
-    let reason = match catch_unwind(AssertUnwindSafe(|| task.make(&given))) {
-        Ok(Ok(made)) => return store.record(&task.id, inputs, &made),
-        Ok(Err(failure)) => match failure.downcast_ref() {
-            Some(Error::Interrupted) => return Err(Error::Interrupted),
-            _ => failure.to_string(),
-        },
-        Err(panic) => why(&*panic).to_owned(),
+    let made = catch_unwind(AssertUnwindSafe(|| (jobs[0].task.work)(&given)));
+    let made = match made {
+        Ok(made) => made,
+        Err(panic) if jobs.len() == 1 => vec![Err(why(&*panic).into())],
+        // Of the others, which may be without fault, each is run alone.
+        Err(_) => {
+            let alone = jobs.into_iter().flat_map(|job| run(vec![job], store, interrupt));
+            return alone.collect();
+        }
     };
-    Err(Error::Stage(vec![format!("{}: {reason}", task.id)]))
+    let mut records = Vec::new();
+    for (made, Job { task, inputs, .. }) in made.into_iter().zip(jobs) {
+        records.push(match made {
+            Ok(made) => store.record(&task.id, inputs, &made),
+            Err(failure) => Err(match failure.downcast_ref() {
+                Some(Error::Interrupted) => Error::Interrupted,
+                _ => Error::Stage(vec![format!("{}: {failure}", task.id)]),
+            }),
+        });
+    }
+    records
+}
+
+/// Reads the artifacts of the tasks that a task needs.
+fn artifacts(needed: &[(String, Hashes)], store: &Store) -> Result<BTreeMap<String, Artifacts>> {
+    let mut artifacts = BTreeMap::new();
+    for (need, outputs) in needed {
+        artifacts.insert(need.clone(), store.artifacts(need, outputs)?);
+    }
+    Ok(artifacts)
 }
 
 /// Returns in words why a task panicked: libraries that get no thread or memory do so.

@@ -26,7 +26,7 @@ pub struct Ran {
     pub task: String,
     /// Reason for running it.
     pub reason: Reason,
-    /// Time that its work took.
+    /// Time that its work took; of tasks side by side an equal share.
     pub time: Duration,
 }
 

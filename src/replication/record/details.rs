@@ -4,10 +4,10 @@
 
 use super::Record;
 use super::levels::{LevelNumbers, Residuals};
+use serde::Serialize;
 use serde_json::{Map, Value, json};
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::solvers::{Run, SaddleSettings, Solved};
-use signorini_mathematics::spectral::TrueSolution;
 use signorini_mathematics::statement::{Fineness, Statement};
 
 /// Returns the details of the answer to a statement.
@@ -34,7 +34,7 @@ pub(crate) fn details(
         insert(json!({ "law": { "lo": finite(law.lo()), "hi": finite(law.hi()) } }));
     }
     if let Some(found) = solved.truth() {
-        insert(of_truth(found));
+        insert(of_truth(&found.checks));
     }
     if let Some(run) = solved.run() {
         insert(on_levels(statement, solved, run));
@@ -88,11 +88,11 @@ fn bound(solved: &Solved) -> Value {
 }
 
 /// Details that only a true solution has.
-fn of_truth(found: &TrueSolution) -> Value {
+fn of_truth(checks: &impl Serialize) -> Value {
     json!({
         "grids": null,
         "grids_reason": "the spectral solver uses no grid",
-        "checks": found.checks,
+        "checks": checks,
     })
 }
 

@@ -112,6 +112,11 @@ impl LevelNumbers {
         }
     }
 
+    /// True if the solver ended without a solution of the discrete problem.
+    pub(crate) fn is_no_solution(&self) -> bool {
+        ["no-solution", "not-solved", "diverged"].contains(&&*self.stop)
+    }
+
     /// Name in a table: `1/64`, or on a mesh `833 nodes`; empty without a level.
     pub(crate) fn label(&self) -> String {
         match (self.cells, self.nodes) {

@@ -19,7 +19,6 @@ use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::identify::Findings;
 use signorini_mathematics::problem::text::percent;
-use signorini_mathematics::solvers::true_solution;
 
 /// Kind of figure.
 pub(super) struct Kind {
@@ -375,7 +374,7 @@ fn draw_contact(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
         }
         if scene.is_problem() {
             let truth =
-                true_solution(&problem).map_err(|e| format!("scene `{}`: {e}", scene.name))?;
+                problem.true_solution().map_err(|e| format!("scene `{}`: {e}", scene.name))?;
             solutions.push(("true solution".into(), truth.at_nodes(&problem)));
         }
         panels.extend(ContactPanel::of(&title, &problem, &solutions)?);

@@ -7,7 +7,7 @@ use crate::replication::identified::IdentifiedRecord;
 use crate::replication::project::{IDENTIFIED, Project};
 use crate::replication::scene::{Output, Scene};
 use serde::{Deserialize, Serialize};
-use signorini_mathematics::identify::{Questions, Target, Variant, findings};
+use signorini_mathematics::identify::{Questions, Target, Variant};
 use signorini_mathematics::problem::source::Source;
 
 /// Artifact with [`signorini_mathematics::identify::Findings`].
@@ -59,7 +59,8 @@ fn task(project: &Project, scene: &Scene, record: Option<&IdentifiedRecord>) -> 
     };
     Ok(Task::new(id(scene), &asked, Vec::new(), |asked, _| {
         let Asked { f, variant, target, alternatives, questions } = asked;
-        let found = findings(target, variant, f, alternatives, questions)
+        let found = target
+            .findings(variant, f, alternatives, questions)
             .map_err(|e| format!("{e}; correct it, or drop `identify` from the scene's outputs"))?;
         Ok(Artifacts::from([(FINDINGS.into(), to_json(&found))]))
     }))

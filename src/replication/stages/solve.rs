@@ -1,20 +1,21 @@
 //! The `solve` stage: one cell is a problem with a solver, solved once; for a saddle-point method, a problem, a
 //! stopping rule and an r, solved on all nested levels.
 //!
-//! Central is [`Cell::run`], which solves as the command `solve` does.
+//! Central is [`Cell::made`], which solves as the command `solve` does.
 
 use super::members::id_of;
 use super::{artifact, from_json, to_json};
 use crate::pipeline::error::{Error, Failure, Result as Read};
-use crate::pipeline::{Artifacts, InputFiles, Inputs, Made, Task};
+use crate::pipeline::{Artifacts, Group, InputFiles, Inputs, Made, Task};
 use crate::replication::fields::member::Member;
 use crate::replication::fields::table::Voice;
 use crate::replication::mesh_files;
 use crate::replication::numbers::Numbers;
-use crate::replication::record::{Judge, Record};
+use crate::replication::record::Judge;
 use crate::replication::scene::{Output, Scene};
 use crate::timing::machine;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 use signorini_mathematics::bounds::{Accuracy, Bounds};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::levels::Problem;
@@ -44,7 +45,7 @@ pub(super) struct Cell {
 
 /// Artifact with the [`Numbers`] of a solve.
 pub(crate) const NUMBERS: &str = "numbers.json";
-/// Artifact with the pair on the finest grid: y, then a, as little-endian doubles.
+/// Artifact with the pair on the finest grid: y, then a, as little-endian doubles; none of a run that diverged.
 pub(super) const PAIR: &str = "pair.f64";
 /// Artifact with the cells that were marked for each bisection of adapted meshes: their number, then theirs, as
 /// little-endian integers of 32 bits.
@@ -61,9 +62,8 @@ pub(super) fn tasks(scene: &Scene) -> Vec<Task> {
             let path = mesh_files::path_of(&member.statement.domain);
             let file = path.and_then(|path| scene.files.get_key_value(&path));
             let files = file.map(|(path, file)| (path.clone(), file.clone())).into_iter().collect();
-            tasks.push(
-                Task::new(id_of(scene, member), &cell, Vec::new(), Cell::made).with_files(files),
-            );
+            let task = Task::in_group(id_of(scene, member), &cell, cell.group(), Cell::made);
+            tasks.push(task.with_files(files));
         }
     }
     tasks
@@ -79,9 +79,10 @@ pub(super) fn solution(scene: &Scene) -> Result<Pair, Failure> {
 /// Runs the first rule with the drawn r on a scene on the square. Returns each grid with the pair where the rule stops
 /// there.
 pub(super) fn stops(scene: &Scene) -> Result<Vec<(Grid, Pair)>, Failure> {
-    let drawn = cell(scene, scene.drawn(scene.first_rule()));
-    let (_, Recorder { pairs, .. }, _) = drawn.run(&InputFiles::new(), &AtomicBool::new(false))?;
-    Ok(scene.grids().into_iter().zip(pairs).collect())
+    let (drawn, never) = (cell(scene, scene.drawn(scene.first_rule())), AtomicBool::new(false));
+    let mut recorder = drawn.recorder(&never);
+    drawn.solved(&InputFiles::new(), &mut recorder)?;
+    Ok(scene.grids().into_iter().zip(recorder.pairs).collect())
 }
 
 fn cell(scene: &Scene, member: &Member) -> Cell {
@@ -108,13 +109,17 @@ pub(super) fn solved(
     recorder: &mut Recorder<'_>,
 ) -> Read<Solved> {
     let problem = mesh_files::problem_in(voice, statement, files, has_nodes)?;
-    let memory = Memory::new(machine::available_memory());
-    let solved = statement.solve(problem, memory, recorder, &|_| ());
+    let solved = statement.solve(problem, memory(), recorder, &|_| ());
     let solved = solved.map_err(|e| voice.refused(statement, &e))?;
     match solved.reached.as_ref().map(|way| way.end) {
         Some(ReachEnd::Interrupted { .. }) => Err(Error::Interrupted),
         _ => Ok(solved),
     }
+}
+
+/// Memory that solvers may take.
+fn memory() -> Memory {
+    Memory::new(machine::available_memory())
 }
 
 /// Returns the numbers of a statement, or the reason for which there is no solution, in this voice; a mesh is read from
@@ -138,49 +143,75 @@ pub(crate) fn numbers(
 }
 
 impl Cell {
-    fn made(&self, inputs: &Inputs) -> Made {
-        if self.is_row {
-            let asked = (&self.statement, Voice::Keys);
-            let numbers = numbers(asked, inputs.files, inputs.interrupted)?;
-            return Ok(Artifacts::from([(NUMBERS.to_owned(), to_json(&numbers))]));
+    /// Most cells that are solved side by side, so that not much is lost if the run is broken off.
+    const MOST: usize = 32;
+
+    /// Cells that take less time side by side: all with this statement but for settings of a saddle-point method.
+    fn group(&self) -> Option<Group> {
+        let shared = self.statement.without_settings()?;
+        Some(Group { key: json!({ "solve": shared }).to_string(), most: Self::MOST })
+    }
+
+    /// Solves cells of one group, or one alone; meshes are read from the files of each.
+    fn made(cells: &[(Self, &Inputs)]) -> Vec<Made> {
+        let mut recorders: Vec<_> =
+            cells.iter().map(|(cell, inputs)| cell.recorder(inputs.interrupted)).collect();
+        let solved = match cells {
+            [_] => None,
+            _ => Self::together(cells, &mut recorders),
+        };
+        let mut solved = solved.into_iter().flatten();
+        let mut made = Vec::new();
+        for ((cell, inputs), mut recorder) in cells.iter().zip(recorders) {
+            // A refusal is written for each.
+            let solved = solved.next().map_or_else(|| cell.solved(inputs.files, &mut recorder), Ok);
+            made.push(cell.artifacts(solved, recorder));
         }
-        self.artifacts(inputs.files, inputs.interrupted)
+        made
+    }
+
+    /// Solves cells of one group side by side; returns nothing if one is refused, as then all are.
+    fn together(cells: &[(Self, &Inputs)], recorders: &mut [Recorder<'_>]) -> Option<Vec<Solved>> {
+        let (first, inputs) = &cells[0];
+        let problem = mesh_files::problem(&first.statement, inputs.files).ok()?;
+        let statements: Vec<_> = cells.iter().map(|(cell, _)| &cell.statement).collect();
+        let mut monitors: Vec<_> = recorders.iter_mut().map(|of| of as &mut dyn Monitor).collect();
+        Statement::solve_together(&statements, &problem, &mut monitors).ok()
+    }
+
+    fn recorder<'a>(&self, interrupted: &'a AtomicBool) -> Recorder<'a> {
+        Recorder { keep_history: self.keep_history, ..Recorder::new(interrupted) }
     }
 
     /// Solves; a mesh is read from these files.
-    fn run<'a>(
-        &self,
-        files: &InputFiles,
-        interrupted: &'a AtomicBool,
-    ) -> Read<(Solved, Recorder<'a>, Record)> {
-        let mut recorder =
-            Recorder { keep_history: self.keep_history, ..Recorder::new(interrupted) };
-        let (statement, voice) = (&self.statement, Voice::Keys);
-        let solved = solved((statement, voice), files, self.keep_pair, &mut recorder)?;
-        let judge = Judge { statement, voice, is_papers: self.is_papers };
-        if let Some(diverged) = judge.diverged(&solved) {
-            return Err(Error::Stage(vec![diverged.sentence()]));
-        }
-        let record = judge.record(&solved);
-        match &record.shortfall {
-            Some(shortfall) => Err(Error::input(shortfall.sentence())),
-            None => Ok((solved, recorder, record)),
-        }
+    fn solved(&self, files: &InputFiles, recorder: &mut Recorder<'_>) -> Read<Solved> {
+        solved((&self.statement, Voice::Keys), files, self.keep_pair, recorder)
     }
 
-    fn artifacts(
-        &self,
-        files: &InputFiles,
-        interrupted: &AtomicBool,
-    ) -> Result<Artifacts, Failure> {
-        let (solved, Recorder { mut pairs, history, .. }, record) = self.run(files, interrupted)?;
+    /// Artifacts of what was solved; of a member of a study also where there is no solution.
+    fn artifacts(&self, solved: Read<Solved>, recorder: Recorder<'_>) -> Made {
+        let statement = &self.statement;
+        let solved = match solved {
+            Err(Error::Interrupted) => return Err(Error::Interrupted.into()),
+            Err(reason) if self.is_row => {
+                let numbers = Numbers::without(statement, reason.to_string());
+                return Ok(Artifacts::from([(NUMBERS.to_owned(), to_json(&numbers))]));
+            }
+            solved => solved?,
+        };
+        let judge = Judge { statement, voice: Voice::Keys, is_papers: self.is_papers };
+        let record = judge.record(&solved);
+        if let Some(shortfall) = record.shortfall.as_ref().filter(|_| !self.is_row) {
+            return Err(Error::input(shortfall.sentence()).into());
+        }
+        let numbers = Numbers::of(statement, &solved, &record);
+        let mut artifacts = Artifacts::from([(NUMBERS.to_owned(), to_json(&numbers))]);
+        let Recorder { mut pairs, history, .. } = recorder;
         // A saddle-point method has a multiplier of its own.
         if self.keep_pair && pairs.is_empty() {
             pairs.push(solved.pair());
         }
-        let numbers = Numbers::of(&self.statement, &solved, &record);
-        let mut artifacts = Artifacts::from([(NUMBERS.to_owned(), to_json(&numbers))]);
-        if let Some(pair) = pairs.last().filter(|_| self.keep_pair) {
+        if let Some(pair) = pairs.last().filter(|pair| self.keep_pair && is_finite(pair)) {
             artifacts.insert(PAIR.into(), pair_bytes(pair));
         }
         if let Some(marks) = solved.reached.and_then(|reached| reached.marks) {
@@ -218,16 +249,14 @@ impl Watcher for Recorder<'_> {
 }
 
 impl Monitor for Recorder<'_> {
-    fn wants_iterations(&self) -> bool {
+    fn has_history(&self) -> bool {
         self.keep_history
     }
 
-    fn iteration(&mut self, level: usize, iteration: &Iteration) {
-        self.history.resize_with(level, Vec::new);
-        self.history[level - 1].push(*iteration);
-    }
-
-    fn level(&mut self, _: usize, pair: &Pair) {
+    fn level(&mut self, pair: &Pair, history: &[Iteration]) {
+        // The last of a run that diverged are no numbers.
+        let numbers = |one: &&Iteration| one.gradient_abs.is_finite() && one.delta_a.is_finite();
+        self.history.push(history.iter().filter(numbers).copied().collect());
         self.pairs.push(pair.clone());
     }
 }
@@ -364,13 +393,23 @@ pub(super) fn pair_on_grid(inputs: &Inputs, scene: &Scene) -> Result<Pair, Strin
 
 /// Returns the pair of a task, y and a of these lengths.
 fn pair_of(inputs: &Inputs, task: &str, [nodes, on_boundary]: [usize; 2]) -> Result<Pair, String> {
-    let (chunks, _) = artifact(inputs, task, PAIR)?.as_chunks();
+    let Ok(bytes) = artifact(inputs, task, PAIR) else {
+        let numbers: Numbers = from_json(inputs, task, NUMBERS)?;
+        let reason = numbers.reason.unwrap_or_else(|| format!("{task} keeps no solution"));
+        return Err(format!("nothing to draw: {reason}"));
+    };
+    let (chunks, _) = bytes.as_chunks();
     let values: Vec<f64> = chunks.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect();
     if values.len() != nodes + on_boundary {
         return Err(format!("{PAIR} of {task} is for another grid"));
     }
     let (y, a) = values.split_at(nodes);
     Ok(Pair { y: y.to_vec(), a: a.to_vec() })
+}
+
+/// True unless the run of a pair diverged.
+fn is_finite(pair: &Pair) -> bool {
+    pair.y.iter().chain(&pair.a).all(|value| value.is_finite())
 }
 
 /// Returns the bytes of the artifact [`PAIR`].

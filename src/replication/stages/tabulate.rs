@@ -232,16 +232,19 @@ pub(super) fn row(r: f64, levels: &[LevelNumbers]) -> Row {
 /// ...), and `delta_a`.
 ///
 /// If `max_iterations` cut off a count on a grid, a column `capped 1/4` marks those counts; if an iteration on a grid
-/// ended without a solution of the discrete problem, a column `stop 1/4` holds the ends.
+/// ended without a solution of the discrete problem, a column `stop 1/4` holds the ends. Where it diverged, counts on
+/// finer grids are empty.
 fn table(runs: &[SaddleSettings], levels: &[Vec<LevelNumbers>]) -> Table {
     let rows: Vec<Row> = runs.iter().zip(levels).map(|(run, of)| row(run.r, of)).collect();
-    let grids: Vec<String> = levels[0].iter().map(LevelNumbers::label).collect();
+    // A run that diverged has no finer levels.
+    let grids = levels.iter().max_by_key(|of| of.len()).into_iter().flatten();
+    let grids: Vec<String> = grids.map(LevelNumbers::label).collect();
     let (mut capped, mut stopped) = (Vec::new(), Vec::new());
     for level in 0..grids.len() {
-        if rows.iter().any(|row| row.capped[level]) {
+        if rows.iter().any(|row| row.is_capped(level)) {
             capped.push(level);
         }
-        if levels.iter().any(|of| ["no-solution", "not-solved"].contains(&&*of[level].stop)) {
+        if levels.iter().filter_map(|of| of.get(level)).any(LevelNumbers::is_no_solution) {
             stopped.push(level);
         }
     }
@@ -255,9 +258,11 @@ fn table(runs: &[SaddleSettings], levels: &[Vec<LevelNumbers>]) -> Table {
     for ((run, row), levels) in runs.iter().zip(&rows).zip(levels) {
         let mut cells = vec![run.stop.to_string(), decimal(row.r)];
         cells.extend(row.counts.iter().map(usize::to_string));
-        cells.push(decimal(row.delta_a));
-        cells.extend(capped.iter().map(|&level| row.capped[level].to_string()));
-        cells.extend(stopped.iter().map(|&level| levels[level].stop.clone()));
+        cells.resize(2 + grids.len(), String::new());
+        cells.push(if row.delta_a.is_nan() { String::new() } else { decimal(row.delta_a) });
+        cells.extend(capped.iter().map(|&level| row.is_capped(level).to_string()));
+        let stop = |level: &usize| levels.get(*level).map_or(String::new(), |of| of.stop.clone());
+        cells.extend(stopped.iter().map(stop));
         table.rows.push(cells);
     }
     table

@@ -5,8 +5,8 @@ use super::evaluate::Evaluator;
 use super::found::{Found, found};
 use super::grid;
 use super::identifiability::{Identifiability, Slice, identifiability, slice};
-use super::search::{SearchReport, search};
-use super::space::{Geometry, Lattice};
+use super::search::SearchReport;
+use super::space::Geometry;
 use super::variant::Variant;
 use super::{IdentifyError, Target};
 use crate::discrete::load::load;
@@ -14,7 +14,7 @@ use crate::problem::source::Source;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::AtomicBool;
 
-/// Questions that [`findings`] answers, besides how far f may move.
+/// Questions that [`Target::findings`] answers, besides how far f may move.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Questions {
@@ -56,47 +56,53 @@ pub struct Findings {
     pub search: SearchReport,
 }
 
-/// Finds out about `f`, which is constant on the quadrants, and about `alternatives`, by their values on these.
-///
-/// Runs on the threads of the current rayon pool, on whose number the results do not depend.
-///
-/// # Errors
-/// [`IdentifyError`] if the target is no table, the values to search are none, or f has other pieces.
-pub fn findings(
-    target: &Target,
-    variant: &Variant,
-    f: &Source,
-    alternatives: &[[f64; 4]],
-    questions: &Questions,
-) -> Result<Findings, IdentifyError> {
-    let (own, values) =
-        Geometry::of_quadrants(f).ok_or_else(|| IdentifyError::Pieces(f.to_string()))?;
-    let lattice: Lattice = questions.values.parse()?;
-    let quadrants = Geometry::quadrants();
-    let on_quadrants = quadrant_values(f);
-    let mut evaluator = Evaluator::new(target, variant, std::slice::from_ref(&quadrants))?;
-    let mut compared = Vec::new();
-    for &values in alternatives {
-        let source = quadrants.source(&values);
-        let loads = (0..target.levels()).map(|level| load(grid(level), &source, variant.load));
-        compared.push(Alternative {
-            values,
-            found: found(&mut evaluator, 0, &quadrants, &values),
-            sums: loads.map(|load| load.iter().sum()).collect(),
-            chosen: values == on_quadrants,
-        });
+impl Target {
+    /// Finds out about `f`, which is constant on the quadrants, and about `alternatives`, by their values on these.
+    ///
+    /// Runs on the threads of the current rayon pool, on whose number the results do not depend.
+    ///
+    /// # Errors
+    /// [`IdentifyError`] if this is no table, the values to search are none, or f has other pieces.
+    pub fn findings(
+        &self,
+        variant: &Variant,
+        f: &Source,
+        alternatives: &[[f64; 4]],
+        questions: &Questions,
+    ) -> Result<Findings, IdentifyError> {
+        let (own, values) =
+            Geometry::of_quadrants(f).ok_or_else(|| IdentifyError::Pieces(f.to_string()))?;
+        let on_quadrants = quadrant_values(f);
+        let mut compared = Vec::new();
+        for (&values, found) in alternatives.iter().zip(self.found(variant, alternatives)?) {
+            let source = Geometry::quadrants().source(&values);
+            let loads = (0..self.levels()).map(|level| load(grid(level), &source, variant.load));
+            let sums = loads.map(|load| load.iter().sum()).collect();
+            compared.push(Alternative { values, found, sums, chosen: values == on_quadrants });
+        }
+        let evaluator = Evaluator::new(self, variant, &[Geometry::quadrants()])?;
+        let on_own_pieces = Evaluator::new(self, variant, &[own])?;
+        let first_and_last = [0, values.len() - 1];
+        let Questions { reach, points, values: range } = questions;
+        Ok(Findings {
+            schema: 1,
+            target: self.clone(),
+            alternatives: compared,
+            identifiability: identifiability(&evaluator, &on_quadrants),
+            slice: slice(&on_own_pieces, &values, first_and_last, *reach, *points),
+            search: self.searched(range, variant, &AtomicBool::new(false))?,
+        })
     }
-    let on_own_pieces = Evaluator::new(target, variant, &[own])?;
-    let first_and_last = [0, values.len() - 1];
-    let Questions { reach, points, .. } = *questions;
-    Ok(Findings {
-        schema: 1,
-        target: target.clone(),
-        alternatives: compared,
-        identifiability: identifiability(&evaluator, &on_quadrants),
-        slice: slice(&on_own_pieces, &values, first_and_last, reach, points),
-        search: search(&lattice, variant, target, &AtomicBool::new(false), &mut |_, _| ())?,
-    })
+
+    /// Runs right-hand sides that are constant on the quadrants, by their values there.
+    ///
+    /// # Errors
+    /// [`IdentifyError`] if this is no table.
+    pub fn found(&self, variant: &Variant, all: &[[f64; 4]]) -> Result<Vec<Found>, IdentifyError> {
+        let quadrants = [Geometry::quadrants()];
+        let mut evaluator = Evaluator::new(self, variant, &quadrants)?;
+        Ok(all.iter().map(|values| found(&mut evaluator, 0, &quadrants[0], values)).collect())
+    }
 }
 
 /// f in the middle of the quadrants: lower left, lower right, upper left, upper right.

@@ -7,7 +7,7 @@
 //! as soon as an inequality fails. Counts on coarse grids cost microseconds and discard nearly everything.
 //!
 //! # Parts
-//! [`Variant`] is a reading of the method, [`Evaluator`] runs one f, [`search`] tries every f with one value on a
+//! [`Variant`] is a reading of the method, [`Evaluator`] runs one f, [`Target::searched`] tries every f with one value on a
 //! quadrant and another elsewhere, [`identifiability`] tells how sharply the tables fix what was found.
 
 mod evaluate;
@@ -20,12 +20,12 @@ mod space;
 mod variant;
 
 pub use evaluate::{Evaluator, Table};
-pub use findings::{Alternative, Findings, Questions, findings};
+pub use findings::{Alternative, Findings, Questions};
 pub use found::{Found, found};
 pub use identifiability::{
     Breaks, FirstChange, Holds, Identifiability, Slice, TableCell, identifiability, slice,
 };
-pub use search::{SearchReport, search};
+pub use search::SearchReport;
 pub use space::{Geometry, Lattice};
 pub use variant::{DualWeight, Measure, Order, ResidualTime, Variant};
 

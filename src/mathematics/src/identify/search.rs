@@ -45,20 +45,32 @@ pub struct SearchReport {
     pub found: Vec<Found>,
 }
 
-/// Searches on the threads of the current rayon pool.
-///
-/// `observe` is called after each batch, on the calling thread, with the share of the candidates that are done. Once
-/// `stop` is set, runs end within an iteration: a published count may be larger than anybody waits for. The report then
-/// has what was found until then.
-///
-/// # Errors
-/// [`IdentifyError`] if the target is no table.
-pub fn search(
+impl Target {
+    /// Searches for the right-hand sides that give the table under a reading of the method, with values from a range
+    /// `MIN:MAX:STEP`, on the threads of the current rayon pool.
+    ///
+    /// Once `stop` is set, runs end within an iteration: a published count may be larger than anybody waits for. The
+    /// report then has what was found until then.
+    ///
+    /// # Errors
+    /// [`IdentifyError`] if this is no table, or the range none.
+    pub fn searched(
+        &self,
+        values: &str,
+        variant: &Variant,
+        stop: &AtomicBool,
+    ) -> Result<SearchReport, IdentifyError> {
+        let lattice: Lattice = values.parse()?;
+        search(&lattice, variant, self, stop)
+    }
+}
+
+/// Searches the values of a lattice, as [`Target::searched`].
+fn search(
     lattice: &Lattice,
     variant: &Variant,
     target: &Target,
     stop: &AtomicBool,
-    observe: &mut dyn FnMut(f64, &SearchReport),
 ) -> Result<SearchReport, IdentifyError> {
     let candidates = Candidates { geometries: Geometry::odd_quadrants(), lattice };
     let evaluator = Evaluator::new(target, variant, &candidates.geometries)?.halted_by(stop);
@@ -81,7 +93,6 @@ pub fn search(
             break;
         }
         done = end;
-        observe(done as f64 / tiles as f64, &report);
     }
     report.complete = done == tiles;
     Ok(report)

@@ -15,11 +15,13 @@ use crate::problem::unsolvable::Unsolvable;
 use crate::saddle::{Pair, Plain};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// Domain with f, the conditions on the parts of its boundary and the law where it is in contact, and its nested
 /// discrete problems. The flux can balance f: it has a unique solution.
+#[derive(Clone)]
 pub struct Problem {
-    levels: Box<dyn Levels>,
+    levels: Arc<dyn Levels>,
     law: Law,
     /// True if the boundary is curved, and the finest mesh a polygon or polyhedron instead.
     is_curved: bool,
@@ -121,7 +123,7 @@ impl Problem {
 
     /// As [`Problem::new`], of a flux that is known to balance f.
     pub(crate) fn checked(levels: impl Levels + 'static, law: Law, is_curved: bool) -> Self {
-        Self { levels: Box::new(levels), law, is_curved }
+        Self { levels: Arc::new(levels), law, is_curved }
     }
 
     /// Reason for which the domain has no solution with the curves of its boundary in place of the facets of the finest

@@ -144,7 +144,6 @@ mod tests {
     use crate::problem::source::Source;
     use crate::saddle::batch::{LANES, Lanes, Order};
     use crate::saddle::{Engine, GradientMeasure, Method, Pair, RunStart};
-    use crate::solvers::true_solution;
     use std::fmt::Debug;
 
     /// Two arcs of contact and one, with straight jumps and with circles.
@@ -216,7 +215,7 @@ mod tests {
             let problem = Problem::on_square(grids, f, LoadRule::default(), Law::SIGNORINI);
             let problem = problem.expect("a problem");
             compare(|| {
-                let solution = true_solution(&problem).expect("a solution");
+                let solution = problem.true_solution().expect("a solution");
                 (solution.energy, solution.bracket, solution.contact, solution.checks)
             });
         }

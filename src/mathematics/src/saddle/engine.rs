@@ -73,7 +73,7 @@ pub(crate) struct RunState {
 }
 
 /// Conditions that end the runs in the lanes of an engine.
-pub(crate) trait Goals<E: ?Sized, const K: usize> {
+pub(crate) trait Goals<E, const K: usize> {
     /// Called after the sweeps over y, before the multiplier's step (12).
     fn before_step(&mut self, _engine: &mut E, _runs: &[Option<RunState>; K]) {}
 
@@ -118,7 +118,7 @@ impl RunState {
 }
 
 /// Iterates until all runs have ended, those that enter a lane later included.
-pub(crate) fn run<const K: usize, E: Engine<K> + ?Sized>(
+pub(crate) fn run<const K: usize, E: Engine<K>>(
     engine: &mut E,
     mut runs: [Option<RunState>; K],
     goals: &mut impl Goals<E, K>,
@@ -151,7 +151,7 @@ pub(crate) fn run<const K: usize, E: Engine<K> + ?Sized>(
 /// Counts a sweep, and returns the lanes where y is close enough to the minimiser of M(., a) for a step of the
 /// multiplier.
 fn count_sweep<const K: usize>(
-    engine: &mut (impl Engine<K> + ?Sized),
+    engine: &mut impl Engine<K>,
     runs: &mut [Option<RunState>; K],
 ) -> [bool; K] {
     let mut bounds = [None; K];
@@ -172,7 +172,7 @@ fn count_sweep<const K: usize>(
 
 /// Takes the step of the multiplier in some lanes, and relaxes the bounds of their inner problems if they are loose.
 fn take_step<const K: usize>(
-    engine: &mut (impl Engine<K> + ?Sized),
+    engine: &mut impl Engine<K>,
     runs: &mut [Option<RunState>; K],
     lanes: [bool; K],
 ) {
@@ -208,7 +208,7 @@ pub(super) struct MeasureBound {
 
 /// True in each lane that has a bound and is within it.
 pub(super) fn within<const K: usize>(
-    engine: &mut (impl Engine<K> + ?Sized),
+    engine: &mut impl Engine<K>,
     bounds: [Option<MeasureBound>; K],
 ) -> [bool; K] {
     let mut within = [false; K];
@@ -220,35 +220,4 @@ pub(super) fn within<const K: usize>(
         }
     }
     within
-}
-
-/// Question to a run after each step of the multiplier: true if the run has reached its goal.
-pub(super) type IsReached<'a> = &'a mut dyn FnMut(&mut dyn Engine<1>, &RunState) -> bool;
-
-/// Iterates the one run of an engine until `reached`.
-pub(crate) fn run_alone(engine: &mut dyn Engine<1>, state: RunState, reached: IsReached) -> End {
-    let mut goal = GoalAlone { reached, end: None };
-    run(engine, [Some(state)], &mut goal);
-    goal.end.expect("the run has ended")
-}
-
-/// Goal of the one run of an engine, and its end.
-struct GoalAlone<'a> {
-    reached: IsReached<'a>,
-    end: Option<End>,
-}
-
-impl<'e> Goals<dyn Engine<1> + 'e, 1> for GoalAlone<'_> {
-    fn reached(
-        &mut self,
-        engine: &mut (dyn Engine<1> + 'e),
-        [run]: [Option<&RunState>; 1],
-    ) -> [bool; 1] {
-        [run.is_some_and(|run| (self.reached)(engine, run))]
-    }
-
-    fn ended(&mut self, _: &mut (dyn Engine<1> + 'e), _: usize, end: End) -> Option<RunState> {
-        self.end = Some(end);
-        None
-    }
 }

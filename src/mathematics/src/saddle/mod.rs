@@ -10,11 +10,13 @@ mod plain;
 mod solve;
 mod stopping;
 
-pub(crate) use engine::{Engine, Goals, RunStart, RunState, run, run_alone};
+pub(crate) use engine::{Engine, Goals, RunStart, RunState, run};
 pub use method::Method;
-pub use nested::{Monitor, NestedGrids, NestedLevels, run_nested, solve_nested, tolerance};
+pub use nested::{
+    Monitor, NestedGrids, NestedLevels, NestedRun, run_nested, solve_nested, solve_nested_together,
+    tolerance,
+};
 pub use plain::Plain;
-pub(crate) use solve::engine;
 pub use solve::{Iteration, Params, arrow_hurwicz, solve};
 pub(crate) use stopping::GradientMeasure;
 pub use stopping::StopRule;

@@ -1,7 +1,7 @@
 //! Runs over nested grids and networks: on each from the interpolated pair of the one before.
 
 use super::Pair;
-use super::solve::{Iteration, OnIteration, Params, solve};
+use super::solve::{Iteration, LevelRun, Params, solve_together};
 use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::end::Outcome;
 use crate::discrete::grid::Grid;
@@ -89,20 +89,17 @@ pub fn run_nested<L: NestedLevels + ?Sized, P: AsMut<[Pair]> + ?Sized, E>(
 
 /// Observer of a run over nested grids or networks; every method has a default that does nothing.
 pub trait Monitor {
-    /// True if [`Monitor::iteration`] is to be called, which makes each iteration more expensive.
-    fn wants_iterations(&self) -> bool {
+    /// True if histories are wanted, which makes each iteration more expensive.
+    fn has_history(&self) -> bool {
         false
     }
-
-    /// Called after each iteration on this level, counted from 1.
-    fn iteration(&mut self, _level: usize, _iteration: &Iteration) {}
 
     /// Called before sparse factors of the finest level, with so many nodes, are made again and again, which takes
     /// time.
     fn factors(&mut self, _nodes: usize) {}
 
-    /// Called at the end on each level, counted from 1, with the last pair.
-    fn level(&mut self, _level: usize, _pair: &Pair) {}
+    /// Called at the end on each level, coarsest first, with the last pair and, if it is wanted, the history.
+    fn level(&mut self, _pair: &Pair, _history: &[Iteration]) {}
 }
 
 /// The observer that does nothing.
@@ -112,12 +109,29 @@ impl Monitor for () {}
 /// with the digits.
 const EXACT: f64 = 1e-6;
 
-/// Solves on each level in turn, starting from zero and then from the interpolated pair.
-///
-/// On the k-th level `params.tolerance` is replaced by [`tolerance`]`(k)`, and the inner bound of Uzawa's method by a
-/// tenth of this, or of the KKT residual that ends the run; where that is a tiny part of the load, minimisations are
-/// loose. Returns the outcome on each level and
-/// the last pair; ends after a level on which the iteration diverged.
+/// Run over nested grids or networks.
+#[derive(Clone, Copy, Debug)]
+pub struct NestedRun<'a> {
+    /// Load vectors of all levels.
+    pub loads: &'a [Vec<f64>],
+    /// Parameters, whose tolerance and inner bound follow from the level.
+    pub params: Params,
+}
+
+impl NestedRun<'_> {
+    /// Parameters on the k-th level, counted from 0: the tolerance is [`tolerance`]`(k + 1)`, the inner bound of
+    /// Uzawa's method a tenth of this, or of the KKT residual that ends the run; where that is a tiny part of the load,
+    /// minimisations are loose.
+    fn params_on(&self, k: usize) -> Params {
+        let (tolerance, load) = (tolerance(k + 1), largest(&self.loads[k]));
+        let bound = self.params.kkt.map_or(tolerance, |kkt| kkt * load);
+        let method = self.params.method.with_inner(0.1 * bound).above(EXACT * load);
+        Params { method, tolerance, ..self.params }
+    }
+}
+
+/// Solves on each level in turn, starting from zero and then from the interpolated pair. Returns the outcome on each
+/// level and the last pair; ends after a level on which the iteration diverged.
 ///
 /// # Panics
 /// If there are no levels, a load vector has the wrong length, or `params.r` is not positive.
@@ -128,24 +142,47 @@ pub fn solve_nested<L: NestedLevels + ?Sized>(
     params: &Params,
     monitor: &mut dyn Monitor,
 ) -> (Vec<Outcome>, Pair) {
-    let mut pair = [Pair::zero(levels.domain(0))];
-    let mut outcomes = Vec::with_capacity(levels.count());
-    // A run that has diverged ends: the outcome says so.
-    let _ = run_nested(levels, &mut pair, |k, [pair]: &mut [Pair; 1]| {
-        let (level, tolerance) = (k + 1, tolerance(k + 1));
-        let load = largest(&loads[k]);
-        let bound = params.kkt.map_or(tolerance, |kkt| kkt * load);
-        let method = params.method.with_inner(0.1 * bound).above(EXACT * load);
-        let params = Params { method, tolerance, ..*params };
-        let watched = monitor.wants_iterations();
-        let mut on_iteration = |iteration: &Iteration| monitor.iteration(level, iteration);
-        let on_iteration = watched.then_some(&mut on_iteration as OnIteration);
-        let outcome =
-            solve(levels.domain(k), law.with_load(&loads[k]), &params, pair, on_iteration);
-        monitor.level(level, pair);
-        outcomes.push(outcome);
-        if outcome.end.stop == Stop::Diverged { Err(outcome.end.stop) } else { Ok(()) }
-    });
-    let [pair] = pair;
-    (outcomes, pair)
+    let run = NestedRun { loads, params: *params };
+    solve_nested_together(levels, law, &[run], &mut [monitor]).swap_remove(0)
+}
+
+/// As [`solve_nested`], for several runs under one law, each with its observer: on grids side by side, which takes less
+/// time than one after the other, and gives the same bits.
+///
+/// # Panics
+/// As [`solve_nested`].
+pub fn solve_nested_together<L: NestedLevels + ?Sized>(
+    levels: &L,
+    law: Law,
+    runs: &[NestedRun<'_>],
+    monitors: &mut [&mut dyn Monitor],
+) -> Vec<(Vec<Outcome>, Pair)> {
+    let zero = Pair::zero(levels.domain(0));
+    let mut found = vec![(Vec::with_capacity(levels.count()), zero); runs.len()];
+    let mut going: Vec<usize> = (0..runs.len()).collect();
+    for k in 0..levels.count() {
+        if k > 0 {
+            for &number in &going {
+                found[number].1 = levels.interpolated(k, &found[number].1);
+            }
+        }
+        let of_number = |&number: &usize| LevelRun {
+            problem: law.with_load(&runs[number].loads[k]),
+            params: runs[number].params_on(k),
+            start: &found[number].1,
+            has_history: monitors[number].has_history(),
+        };
+        let on_level: Vec<_> = going.iter().map(of_number).collect();
+        let ends = solve_together(levels.domain(k), &on_level);
+        for (&number, end) in going.iter().zip(ends) {
+            monitors[number].level(&end.pair, &end.history);
+            found[number].0.push(end.outcome);
+            found[number].1 = end.pair;
+        }
+        let sweeps = |number: usize| found[number].0[k].end.work_units;
+        going.retain(|&number| found[number].0[k].end.stop != Stop::Diverged);
+        // The longest first, so that all lanes are full nearly to the end.
+        going.sort_by(|&one, &other| sweeps(other).total_cmp(&sweeps(one)));
+    }
+    found
 }

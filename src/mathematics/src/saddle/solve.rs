@@ -1,8 +1,8 @@
-//! One run of a method on one grid or network, until its stopping rule is met.
+//! Runs of the methods on one grid or network, each until its stopping rule is met.
 
 use super::Pair;
-use super::batch::{Lanes, Order};
-use super::engine::{Engine, MeasureBound, RunStart, RunState, run_alone, within};
+use super::batch::{LANES, Lanes, Order};
+use super::engine::{Engine, Goals, MeasureBound, RunStart, RunState, run, within};
 use super::method::Method;
 use super::network::OnNetwork;
 use super::stopping::{GradientMeasure, StopRule};
@@ -13,6 +13,7 @@ use crate::discrete::law_and_load::LawAndLoad;
 use crate::discrete::stop::Stop;
 use crate::problem::law::Law;
 use serde::{Deserialize, Serialize};
+use std::array::from_fn;
 
 /// Parameters of the iteration, besides grid, law and load vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +45,7 @@ impl Default for Params {
     }
 }
 
-/// State after one iteration, as a monitor receives it.
+/// State after one iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Iteration {
     /// Iterations done on this grid.
@@ -56,9 +57,6 @@ pub struct Iteration {
     /// `max_i |a_i^(n) - a_i^(n-1)|`.
     pub delta_a: f64,
 }
-
-/// Callback after each step of the multiplier.
-pub(super) type OnIteration<'a> = &'a mut dyn FnMut(&Iteration);
 
 /// Condition that ends a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,29 +87,39 @@ impl RunGoal {
     }
 }
 
-/// Engine for one run on a grid or network.
-///
-/// # Panics
-/// If a vector has the wrong length for the domain, or r is not positive.
-pub(crate) fn engine<'a>(
-    domain: impl Into<DiscreteDomain<'a>>,
-    law: Law,
-    run: &RunStart<'a>,
-) -> Box<dyn Engine<1> + 'a> {
-    match domain.into() {
-        DiscreteDomain::Grid(grid) => {
-            let mut lane = Lanes::<1, f64>::new(grid, law, Order::Lexicographic, 1.0);
-            lane.enter(0, law, run);
-            Box::new(lane)
-        }
-        DiscreteDomain::Network(network) => Box::new(OnNetwork::new(network, law, run)),
+/// Run on one grid or network.
+#[derive(Clone, Copy)]
+pub(super) struct LevelRun<'a> {
+    pub(super) problem: LawAndLoad<'a>,
+    pub(super) params: Params,
+    /// Pair from which the run starts.
+    pub(super) start: &'a Pair,
+    /// True if the history is wanted, which makes each iteration more expensive.
+    pub(super) has_history: bool,
+}
+
+impl LevelRun<'_> {
+    fn start(&self) -> RunStart<'_> {
+        let Params { method, r, .. } = self.params;
+        RunStart { load: self.problem.load, method, r, pair: self.start }
+    }
+
+    fn goal(&self) -> RunGoal {
+        let Params { rule, tolerance, kkt, .. } = self.params;
+        kkt.map_or(RunGoal::Rule(rule, tolerance), RunGoal::Kkt)
     }
 }
 
+/// End of a run on one grid or network.
+pub(super) struct LevelEnd {
+    pub(super) outcome: Outcome,
+    /// Last pair.
+    pub(super) pair: Pair,
+    /// All iterations, if they are wanted.
+    pub(super) history: Vec<Iteration>,
+}
+
 /// Iterates on `pair` until the stopping rule is met or the limit on sweeps is reached.
-///
-/// Without a monitor the gradient is compared with the tolerance row by row, up to the first row that exceeds it; with
-/// a monitor all rows are evaluated. The iterates are the same.
 ///
 /// # Panics
 /// If a vector has the wrong length for the domain, or `params.r` is not positive.
@@ -120,21 +128,15 @@ pub fn solve<'a>(
     problem: LawAndLoad<'_>,
     params: &Params,
     pair: &mut Pair,
-    monitor: Option<OnIteration>,
 ) -> Outcome {
-    let (domain, LawAndLoad { law, load }) = (domain.into(), problem);
-    let start = RunStart { load, method: params.method, r: params.r, pair };
-    let mut engine = engine(domain, law, &start);
-    let state = RunState::new(&start, params.max_iterations);
-    let end = run_to_rule(&mut *engine, state, params, monitor);
-    let gradient = gradient_extrema(&mut *engine);
-    let last = engine.pair(0).into_owned();
-    drop(engine);
-    *pair = last;
-    judged(domain, problem, pair, end, gradient)
+    let run = LevelRun { problem, params: *params, start: pair, has_history: false };
+    let ends = solve_together(domain.into(), &[run]);
+    let [end] = <[LevelEnd; 1]>::try_from(ends).ok().expect("a run has an end");
+    *pair = end.pair;
+    end.outcome
 }
 
-/// Solves by the paper's method whatever `params.method` says, without a monitor.
+/// Solves by the paper's method whatever `params.method` says.
 ///
 /// # Panics
 /// As [`solve`].
@@ -144,30 +146,120 @@ pub fn arrow_hurwicz<'a>(
     params: &Params,
     pair: &mut Pair,
 ) -> Outcome {
-    solve(domain, problem, &Params { method: Method::ArrowHurwicz, ..*params }, pair, None)
+    solve(domain, problem, &Params { method: Method::ArrowHurwicz, ..*params }, pair)
 }
 
-/// Iterates until the stopping rule is met.
-fn run_to_rule(
-    engine: &mut dyn Engine<1>,
-    state: RunState,
-    params: &Params,
-    mut monitor: Option<OnIteration>,
-) -> End {
-    let goal = params.kkt.map_or(RunGoal::Rule(params.rule, params.tolerance), RunGoal::Kkt);
-    run_alone(engine, state, &mut |engine, run| {
-        if let Some(monitor) = monitor.as_mut() {
-            let [gradient_signed, gradient_abs] = gradient_extrema(engine);
-            let RunState { iterations: number, delta_a, .. } = *run;
-            monitor(&Iteration { number, gradient_signed, gradient_abs, delta_a });
+/// Most runs on a grid that are faster one after the other than in the lanes of one engine.
+const FEW: usize = 2;
+
+/// Runs each until its stopping rule is met or its limit on sweeps is reached: on a grid side by side in the lanes of
+/// an engine. The iterates of a run are the same whatever others are beside it.
+///
+/// A gradient is compared with the tolerance row by row, up to the first row that exceeds it; for a history, all rows
+/// are evaluated.
+///
+/// # Panics
+/// If a vector has the wrong length for the domain, or an r is not positive.
+pub(super) fn solve_together(domain: DiscreteDomain<'_>, runs: &[LevelRun<'_>]) -> Vec<LevelEnd> {
+    match domain {
+        DiscreteDomain::Grid(grid) if runs.len() > FEW => {
+            let mut lanes = Lanes::<LANES>::new(grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
+            in_lanes(&mut lanes, domain, runs, Lanes::enter)
         }
-        within(engine, [goal.bound(run)])[0]
-    })
+        DiscreteDomain::Grid(grid) => {
+            let mut lane = Lanes::<1, f64>::new(grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
+            in_lanes(&mut lane, domain, runs, Lanes::enter)
+        }
+        DiscreteDomain::Network(network) => {
+            let mut ends = Vec::with_capacity(runs.len());
+            for run in runs {
+                let mut engine = OnNetwork::new(network, run.problem.law, &run.start());
+                ends.extend(in_lanes(&mut engine, domain, &[*run], |_, _, _, _| ()));
+            }
+            ends
+        }
+    }
+}
+
+/// Puts a run into a lane of an engine, under a law.
+type Enter<E> = fn(&mut E, usize, Law, &RunStart<'_>);
+
+/// Runs in the lanes of an engine until all have ended; one that ends makes room for the next.
+fn in_lanes<const K: usize, E: Engine<K>>(
+    engine: &mut E,
+    domain: DiscreteDomain<'_>,
+    runs: &[LevelRun<'_>],
+    enter: Enter<E>,
+) -> Vec<LevelEnd> {
+    let histories = vec![Vec::new(); runs.len()];
+    let ends = runs.iter().map(|_| None).collect();
+    let mut goals = LaneGoals { domain, runs, enter, lanes: [0; K], next: 0, histories, ends };
+    let states = from_fn(|lane| goals.enter_next(engine, lane));
+    run(engine, states, &mut goals);
+    goals.ends.into_iter().map(|end| end.expect("all runs have ended")).collect()
+}
+
+/// Goals of the runs in the lanes of an engine, and the runs that wait for a lane.
+struct LaneGoals<'r, E, const K: usize> {
+    domain: DiscreteDomain<'r>,
+    runs: &'r [LevelRun<'r>],
+    enter: Enter<E>,
+    /// Number of the run in each lane.
+    lanes: [usize; K],
+    /// Number of the run that is the next to enter a lane.
+    next: usize,
+    histories: Vec<Vec<Iteration>>,
+    ends: Vec<Option<LevelEnd>>,
+}
+
+impl<E: Engine<K>, const K: usize> LaneGoals<'_, E, K> {
+    /// Puts the next run, if one waits, into a lane.
+    fn enter_next(&mut self, engine: &mut E, lane: usize) -> Option<RunState> {
+        let run = self.runs.get(self.next)?;
+        self.lanes[lane] = self.next;
+        self.next += 1;
+        (self.enter)(engine, lane, run.problem.law, &run.start());
+        Some(RunState::new(&run.start(), run.params.max_iterations))
+    }
+
+    /// Notes the iteration of each run whose history is wanted.
+    fn note(&mut self, engine: &mut E, runs: [Option<&RunState>; K]) {
+        let has_history = |lane: usize| self.runs[self.lanes[lane]].has_history;
+        let noted: [_; K] = from_fn(|lane| runs[lane].filter(|_| has_history(lane)));
+        if noted.iter().all(Option::is_none) {
+            return;
+        }
+        let gradients = gradient_extrema(engine);
+        for (lane, run) in noted.into_iter().enumerate() {
+            let Some(&RunState { iterations: number, delta_a, .. }) = run else { continue };
+            let [gradient_signed, gradient_abs] = gradients.map(|of| of[lane]);
+            let iteration = Iteration { number, gradient_signed, gradient_abs, delta_a };
+            self.histories[self.lanes[lane]].push(iteration);
+        }
+    }
+}
+
+impl<E: Engine<K>, const K: usize> Goals<E, K> for LaneGoals<'_, E, K> {
+    fn reached(&mut self, engine: &mut E, runs: [Option<&RunState>; K]) -> [bool; K] {
+        self.note(engine, runs);
+        let bound = |lane: usize| self.runs[self.lanes[lane]].goal().bound(runs[lane]?);
+        within(engine, from_fn(bound))
+    }
+
+    fn ended(&mut self, engine: &mut E, lane: usize, end: End) -> Option<RunState> {
+        let number = self.lanes[lane];
+        let gradient = gradient_extrema(engine).map(|of| of[lane]);
+        let pair = engine.pair(lane).into_owned();
+        let outcome = judged(self.domain, self.runs[number].problem, &pair, end, gradient);
+        let history = std::mem::take(&mut self.histories[number]);
+        self.ends[number] = Some(LevelEnd { outcome, pair, history });
+        self.enter_next(engine, lane)
+    }
 }
 
 /// Judges `pair` after the end of an iteration; `gradient` has the largest component of (8), and the largest absolute
 /// value.
-pub(super) fn judged(
+fn judged(
     domain: DiscreteDomain<'_>,
     LawAndLoad { law, load }: LawAndLoad<'_>,
     pair: &Pair,
@@ -186,9 +278,10 @@ pub(super) fn judged(
     Outcome { gradient_signed, gradient_abs, ..outcome }
 }
 
-/// Largest component of the gradient (8), and largest absolute value of a component; NaN if one is.
-pub(super) fn gradient_extrema(engine: &mut dyn Engine<1>) -> [f64; 2] {
-    [GradientMeasure::Signed, GradientMeasure::Printed].map(|measure| engine.worst(measure)[0])
+/// In each lane the largest component of the gradient (8), and the largest absolute value of a component; NaN if one
+/// is.
+fn gradient_extrema<const K: usize>(engine: &mut impl Engine<K>) -> [[f64; K]; 2] {
+    [GradientMeasure::Signed, GradientMeasure::Printed].map(|measure| engine.worst(measure))
 }
 
 #[cfg(test)]

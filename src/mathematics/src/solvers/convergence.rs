@@ -8,12 +8,12 @@
 
 use super::{Settings, Solver, solve};
 use crate::discrete::grid::Grid;
-use crate::discrete::load::{Diagonal, LoadRule};
 use crate::discrete::network::{ContactRow, Network};
 use crate::discrete::norms::largest;
 use crate::levels::Problem;
 use crate::problem::law::Law;
-use crate::saddle::{Method, Pair, RunStart, RunState, engine, run_alone};
+use crate::saddle::batch::{Lanes, Order};
+use crate::saddle::{Engine, Method, Pair, RunStart};
 
 /// Relative change of a gap from block to block of iterations at which it is taken for settled.
 const SETTLED: f64 = 1e-3;
@@ -34,46 +34,38 @@ pub struct Convergence {
     pub iterations: usize,
 }
 
-/// Computes the spectral radius of one iteration for each r, the largest first, and measures the method itself with
-/// `measured_r`: for f on the square, integrated exactly, on a grid with so many cells per side. The central function
-/// of this module.
-///
-/// # Errors
-/// A sentence if f cannot be read, the problem cannot be solved, or a factor does not settle.
-pub fn convergence(
-    f: &str,
-    cells: usize,
-    r: &[f64],
-    measured_r: f64,
-) -> Result<Convergence, String> {
-    let case = Case::new(f, cells)?;
-    let mut pair = Pair::zero(case.grid);
-    pair.y.fill(1.0);
-    let gaps = r.iter().map(|&r| case.gap(r, &mut pair)).collect::<Result<_, _>>()?;
-    let contact = case.held.iter().filter(|&&held| held).count();
-    let (measured, iterations) = case.measured(measured_r)?;
-    Ok(Convergence { contact, gaps, measured, iterations })
+impl Problem {
+    /// Computes the spectral radius of one iteration for each r, the largest first, and measures the method itself with
+    /// `measured_r`, on the finest grid of the square. The central function of this module.
+    ///
+    /// # Errors
+    /// A sentence if the problem is on a mesh, or cannot be solved, or a factor does not settle.
+    pub fn convergence(&self, r: &[f64], measured_r: f64) -> Result<Convergence, String> {
+        let case = Case::new(self)?;
+        let mut pair = Pair::zero(case.grid);
+        pair.y.fill(1.0);
+        let gaps = r.iter().map(|&r| case.gap(r, &mut pair)).collect::<Result<_, _>>()?;
+        let contact = case.held.iter().filter(|&&held| held).count();
+        let (measured, iterations) = case.measured(measured_r)?;
+        Ok(Convergence { contact, gaps, measured, iterations })
+    }
 }
 
 /// Discrete problem with the contact set of its solution.
-struct Case {
+struct Case<'a> {
     grid: Grid,
     network: Network,
-    load: Vec<f64>,
+    load: &'a [f64],
     /// True at the boundary nodes with a positive multiplier.
     held: Vec<bool>,
 }
 
-impl Case {
-    fn new(f: &str, cells: usize) -> Result<Self, String> {
-        let grid = Grid::new(cells)?;
-        let f = f.parse().map_err(|e| format!("f: {e}"))?;
-        let rule = LoadRule::Exact { diagonal: Diagonal::default() };
-        let problem = Problem::on_square(vec![grid], f, rule, Law::SIGNORINI);
-        let problem = problem.map_err(|e| e.to_string())?;
-        let run = solve(&problem, &Settings::of(Solver::ActiveSet)).map_err(|e| e.to_string())?;
+impl<'a> Case<'a> {
+    fn new(problem: &'a Problem) -> Result<Self, String> {
+        let grid = problem.lattices().ok_or("convergence is known on the square")?.finest();
+        let run = solve(problem, &Settings::of(Solver::ActiveSet)).map_err(|e| e.to_string())?;
         let held = run.pair().a.iter().map(|&a| a > 0.0).collect();
-        Ok(Self { grid, network: Network::of_square(grid), load: problem.load().to_vec(), held })
+        Ok(Self { grid, network: Network::of_square(grid), load: problem.load(), held })
     }
 
     /// Number of iterations in a block: a quarter of what smooth errors take.
@@ -125,46 +117,48 @@ impl Case {
     /// settled; and the number of iterations.
     fn measured(&self, r: f64) -> Result<(f64, usize), String> {
         let (method, pair) = (Method::ArrowHurwicz, &Pair::zero(self.grid));
-        let start = RunStart { load: &self.load, method, r, pair };
-        let (mut iterations, mut last) = (1, Vec::new());
-        let (mut change, mut before) = (f64::NAN, f64::NAN);
-        let mut engine = engine(self.grid, Law::SIGNORINI, &start);
-        let state = RunState::new(&start, BLOCKS * self.block());
-        let end = run_alone(&mut *engine, state, &mut |engine, _| {
-            let pair = engine.pair(0);
+        let mut lane = Lanes::<1, f64>::new(self.grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
+        lane.enter(0, Law::SIGNORINI, &RunStart { load: self.load, method, r, pair });
+        let (mut last, mut change, mut before) = (Vec::new(), f64::NAN, f64::NAN);
+        for iterations in 1..=BLOCKS * self.block() {
+            lane.sweep();
+            lane.dual_step([true]);
             let at = iterations % self.block();
-            iterations += 1;
             if at + 1 == self.block() {
-                last.clone_from(&pair.y);
+                last.clone_from(&lane.pair(0).y);
             }
             if at > 0 {
-                return false;
+                continue;
             }
+            let pair = lane.pair(0);
             let changes: Vec<f64> = pair.y.iter().zip(&last).map(|(y, last)| y - last).collect();
             let now = largest(&changes);
             let gap = self.gap_of(now / change);
             let is_final = pair.a.iter().zip(&self.held).all(|(&a, &held)| (a > 0.0) == held);
-            let is_settled = is_final && (gap - before).abs() <= SETTLED * gap;
+            if is_final && (gap - before).abs() <= SETTLED * gap {
+                return Ok((gap, iterations + 1));
+            }
             // A factor under another contact set says nothing.
             (change, before) = (now, if is_final { gap } else { f64::NAN });
-            is_settled
-        });
-        match end.count() {
-            Some(_) => Ok((before, iterations)),
-            None => Err(format!("the method does not settle with r = {r}")),
         }
+        Err(format!("the method does not settle with r = {r}"))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::discrete::load::{Diagonal, LoadRule};
 
     #[test]
     fn each_iteration_converges_as_the_method_does_and_small_r_slows_it_down() {
         let r = [1e6, 1e4, 1e3, 100.0, 30.0, 10.0, 3.0, 1.0, 0.5, 0.2];
         for f in [F, "exact(free-corner)"] {
-            let Convergence { gaps, measured, .. } = convergence(f, 8, &r, 10.0).unwrap();
+            let (grids, rule) =
+                (vec![Grid::new(8).unwrap()], LoadRule::Exact { diagonal: Diagonal::default() });
+            let problem = Problem::on_square(grids, f.parse().unwrap(), rule, Law::SIGNORINI);
+            let Convergence { gaps, measured, .. } =
+                problem.unwrap().convergence(&r, 10.0).unwrap();
             assert!(gaps.iter().all(|gap| (1e-4..1.0).contains(gap)), "{f}: {gaps:?}");
             assert!((measured / gaps[5] - 1.0).abs() < 0.02, "{f}: {measured} {gaps:?}");
             if f != F {

@@ -13,13 +13,14 @@ mod solver;
 mod table;
 
 pub use adapted::Adaption;
-pub use convergence::{Convergence, convergence};
+pub use convergence::Convergence;
 pub(crate) use grids::Grids;
 pub(crate) use reach::reach;
 pub use reach::{Tried, Watcher};
-pub use run::{FoundSolution, Run, takes_spectral, true_solution};
+pub(crate) use run::saddle_together;
+pub use run::{FoundSolution, Run};
 pub use size::{MOST_CELLS, Memory, SizeRefusal, TooLarge};
-pub use solved::{ReachEnd, Reached, Solved, recovered};
+pub use solved::{ReachEnd, Reached, Solved};
 pub use solver::Solver;
 pub use table::{SOLVERS, SolverEntry};
 

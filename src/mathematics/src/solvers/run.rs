@@ -5,13 +5,14 @@ use crate::discrete::end::{End, Outcome};
 use crate::discrete::kkt::Judgement;
 use crate::discrete::norms::largest;
 use crate::discrete::stop::Stop;
+use crate::discrete::transfer::Prolongation;
 use crate::levels::{Discrete, Problem, ProblemError, read};
 use crate::mesh::{Condition, PlaneMesh};
 use crate::multigrid::active_set::{active_set as solve_lattice, active_set_from};
 use crate::multigrid::{Goal, InputError, MultigridParams, solve_square};
 use crate::multilevel::solve_nested_networks;
 use crate::problem::source::Source;
-use crate::saddle::{Monitor, NestedGrids, Pair, Params, solve_nested};
+use crate::saddle::{Monitor, NestedGrids, NestedRun, Pair, Params, solve_nested_together};
 use crate::spectral::{
     PlaneError, TrueSolution, check_plane, true_solution_on, true_solution_on_square,
 };
@@ -172,26 +173,94 @@ pub(super) fn saddle(
     settings: &Settings,
     monitor: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
-    let loads: Vec<Vec<f64>> = problem.loads()?.into_iter().map(Cow::into_owned).collect();
-    let law = problem.law();
-    let SaddleSettings { prolongation, r, stop, max_iterations } = settings.saddle;
-    let usual = Params::default();
-    let method = settings.solver.entry().method.unwrap_or(usual.method);
-    let kkt = match settings.goal {
+    Ok(saddle_together(problem, &[*settings], &mut [monitor])?.swap_remove(0))
+}
+
+/// Runs saddle-point methods with one interpolation, as [`saddle`], each with its observer: on the square side by side.
+pub(crate) fn saddle_together(
+    problem: &Problem,
+    settings: &[Settings],
+    monitors: &mut [&mut dyn Monitor],
+) -> Result<Vec<FoundSolution>, Refusal> {
+    let loads = owned_loads(problem)?;
+    let runs: Vec<_> = settings.iter().map(|of| nested_run(problem, of, &loads)).collect();
+    let found = run_together(problem, settings[0].saddle.prolongation, &runs, monitors);
+    let mut solutions = Vec::with_capacity(settings.len());
+    for ((ends, Pair { y, .. }), Settings { solver, .. }) in found.into_iter().zip(settings) {
+        let level = ends.len() - 1;
+        let judgement = problem.judge_on(level, &y, &loads[level]);
+        let run = Run { solver: *solver, y, ends, first_level: 0, judgement };
+        solutions.push(FoundSolution::Vector(run));
+    }
+    Ok(solutions)
+}
+
+/// Load vectors of all levels.
+fn owned_loads(problem: &Problem) -> Result<Vec<Vec<f64>>, Refusal> {
+    Ok(problem.loads()?.into_iter().map(Cow::into_owned).collect())
+}
+
+/// Run with these load vectors.
+fn nested_run<'a>(
+    problem: &Problem,
+    Settings { solver, saddle, goal }: &Settings,
+    loads: &'a [Vec<f64>],
+) -> NestedRun<'a> {
+    let (&SaddleSettings { r, stop, max_iterations, .. }, usual) = (saddle, Params::default());
+    let method = solver.entry().method.unwrap_or(usual.method);
+    let kkt = match goal {
         Goal::Kkt(bound) => Some(bound / largest(problem.load())),
         _ => None,
     };
-    let params = &Params { method, r, rule: stop, kkt, max_iterations, ..usual };
-    let (ends, pair) = match problem.levels().discrete() {
+    let params = Params { method, r, rule: stop, kkt, max_iterations, ..usual };
+    NestedRun { loads, params }
+}
+
+/// Outcomes on all levels of each run, and its last pair.
+fn run_together(
+    problem: &Problem,
+    prolongation: Prolongation,
+    runs: &[NestedRun<'_>],
+    monitors: &mut [&mut dyn Monitor],
+) -> Vec<(Vec<Outcome>, Pair)> {
+    let law = problem.law();
+    match problem.levels().discrete() {
         Discrete::Lattices(lattices) => {
             let nested = NestedGrids { grids: lattices.grids(), prolongation };
-            solve_nested(&nested, law, &loads, params, monitor)
+            solve_nested_together(&nested, law, runs, monitors)
         }
-        Discrete::Networks(networks) => solve_nested(networks, law, &loads, params, monitor),
-    };
-    let (level, y) = (ends.len() - 1, pair.y);
-    let judgement = problem.judge_on(level, &y, &loads[level]);
-    Ok(FoundSolution::Vector(Run { solver: settings.solver, y, ends, first_level: 0, judgement }))
+        Discrete::Networks(networks) => solve_nested_together(networks, law, runs, monitors),
+    }
+}
+
+impl Problem {
+    /// Iterations of the paper's method on each level, for each r: with all else in these settings, and with load
+    /// vectors whose entries `change` has changed, which is given the number of the run and each entry.
+    ///
+    /// # Errors
+    /// [`Refusal::Problem`] if f is not finite at a point of a coarser level.
+    pub fn counts(
+        &self,
+        saddle: SaddleSettings,
+        r: &[f64],
+        change: &mut dyn FnMut(usize, &mut f64),
+    ) -> Result<Vec<Vec<usize>>, Refusal> {
+        let mut loads = vec![owned_loads(self)?; r.len()];
+        for (number, loads) in loads.iter_mut().enumerate() {
+            loads.iter_mut().flatten().for_each(|entry| change(number, entry));
+        }
+        let mut runs = Vec::new();
+        for (&r, loads) in r.iter().zip(&loads) {
+            let saddle = SaddleSettings { r, ..saddle };
+            let settings = Settings { saddle, ..Settings::of(Solver::ArrowHurwicz) };
+            runs.push(nested_run(self, &settings, loads));
+        }
+        let mut unseen = vec![(); r.len()];
+        let mut monitors: Vec<_> = unseen.iter_mut().map(|of| of as &mut dyn Monitor).collect();
+        let found = run_together(self, saddle.prolongation, &runs, &mut monitors);
+        let counts = found.iter().map(|(ends, _)| ends.iter().map(|end| end.end.iterations));
+        Ok(counts.map(Iterator::collect).collect())
+    }
 }
 
 /// Coarsest mesh of a problem in the plane, and f on it, as the spectral solver takes them.
@@ -205,19 +274,21 @@ fn on_coarsest<T>(
     Ok(take(mesh, &f)?)
 }
 
-/// True if the spectral solver takes the domain and f of a problem, whether or not it then finds the solution.
-pub fn takes_spectral(problem: &Problem) -> bool {
-    on_coarsest(problem, |mesh, f| check_plane(mesh, f, problem.law())).is_ok()
-}
+impl Problem {
+    /// True if the spectral solver takes the domain and f, whether or not it then finds the solution.
+    pub fn takes_spectral(&self) -> bool {
+        on_coarsest(self, |mesh, f| check_plane(mesh, f, self.law())).is_ok()
+    }
 
-/// True solution of a problem on a domain in the plane, without a level.
-///
-/// # Errors
-/// [`Refusal::Spectral`], and [`Refusal::NotInSpace`].
-pub fn true_solution(problem: &Problem) -> Result<TrueSolution, Refusal> {
-    match problem.lattices() {
-        Some(lattices) => Ok(true_solution_on_square(lattices.source(), problem.law())?),
-        None => on_coarsest(problem, |mesh, f| true_solution_on(mesh, f, problem.law())),
+    /// True solution on a domain in the plane, without a level.
+    ///
+    /// # Errors
+    /// [`Refusal::Spectral`], and [`Refusal::NotInSpace`].
+    pub fn true_solution(&self) -> Result<TrueSolution, Refusal> {
+        match self.lattices() {
+            Some(lattices) => Ok(true_solution_on_square(lattices.source(), self.law())?),
+            None => on_coarsest(self, |mesh, f| true_solution_on(mesh, f, self.law())),
+        }
     }
 }
 
@@ -227,5 +298,5 @@ pub(super) fn truth(
     _: &Settings,
     _: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
-    Ok(FoundSolution::Truth(true_solution(problem)?.into()))
+    Ok(FoundSolution::Truth(problem.true_solution()?.into()))
 }

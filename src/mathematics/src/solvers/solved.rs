@@ -275,16 +275,18 @@ impl TrueSolution {
     }
 }
 
-/// Recovered solution of a pair on the square, piecewise quadratic: its values on the grid of half the width, with the
-/// problem there; none on a mesh.
-///
-/// # Errors
-/// [`NoBound`] if there is none.
-pub fn recovered(problem: &Problem, pair: &Pair) -> Result<Option<(Problem, Pair)>, NoBound> {
-    let Some(lattices) = problem.lattices() else { return Ok(None) };
-    let (grid, f) = (lattices.finest(), lattices.source());
-    let (y, _) = recovery(grid, f, problem.law(), &pair.y)?;
-    // The flux balances f, as on the grid.
-    let Some(Ok(finer)) = problem.on_grid(2 * grid.cells()) else { return Ok(None) };
-    Ok(Some((finer, Pair { y, a: prolong_boundary(&pair.a) })))
+impl Problem {
+    /// Recovered solution of a pair on the square, piecewise quadratic: its values on the grid of half the width, with
+    /// the problem there; none on a mesh.
+    ///
+    /// # Errors
+    /// [`NoBound`] if there is none.
+    pub fn recovered(&self, pair: &Pair) -> Result<Option<(Self, Pair)>, NoBound> {
+        let Some(lattices) = self.lattices() else { return Ok(None) };
+        let (grid, f) = (lattices.finest(), lattices.source());
+        let (y, _) = recovery(grid, f, self.law(), &pair.y)?;
+        // The flux balances f, as on the grid.
+        let Some(Ok(finer)) = self.on_grid(2 * grid.cells()) else { return Ok(None) };
+        Ok(Some((finer, Pair { y, a: prolong_boundary(&pair.a) })))
+    }
 }

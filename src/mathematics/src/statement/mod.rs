@@ -21,9 +21,10 @@ use crate::multigrid::Goal;
 use crate::problem::error::SourceError;
 use crate::problem::law::{Law, LawError, LawParameter};
 use crate::problem::source::Source;
+use crate::saddle::Monitor;
 use crate::solvers::{
     Adaption, Grids, Memory, ReachEnd, Reached, Refusal, SaddleSettings, Settings, Solved, Solver,
-    Watcher, find, reach,
+    Watcher, find, reach, saddle_together,
 };
 use serde::{Deserialize, Serialize};
 
@@ -265,6 +266,30 @@ impl Statement {
     pub fn solved(&self, file: Option<&[u8]>) -> Result<Solved, StatementError> {
         let problem = self.problem(self.mesh(file)?.as_ref(), &|_| ())?;
         Ok(self.solve(problem, Memory::new(None), &mut (), &|_| ())?)
+    }
+
+    /// The statement of a saddle-point method on the square with the usual settings; none of another. Statements for
+    /// which it is the same can be solved side by side.
+    pub fn without_settings(&self) -> Option<Self> {
+        let SaddleSettings { prolongation, .. } =
+            self.saddle.filter(|_| self.domain.is_square())?;
+        let saddle = Some(SaddleSettings { prolongation, ..SaddleSettings::default() });
+        Some(Self { solver: Solver::ArrowHurwicz, saddle, tolerance: None, ..self.clone() })
+    }
+
+    /// Solves statements side by side whose [`Statement::without_settings`] is the same, each with its observer, as
+    /// [`Statement::solve`] solves each, in less time; they have this problem.
+    ///
+    /// # Errors
+    /// [`Refusal`].
+    pub fn solve_together(
+        statements: &[&Self],
+        problem: &Problem,
+        monitors: &mut [&mut dyn Monitor],
+    ) -> Result<Vec<Solved>, Refusal> {
+        let settings: Vec<_> = statements.iter().map(|of| of.settings(problem)).collect();
+        let found = saddle_together(problem, &settings, monitors)?;
+        Ok(found.into_iter().map(|found| Solved::new(problem.clone(), found)).collect())
     }
 
     /// Settings of the solver for a problem.

@@ -109,10 +109,50 @@ fn a_task_that_takes_long_may_end_early() {
         });
     let store = Store::new(cache.path()).unwrap();
     interrupt.ask();
-    let ended = run(&long, BTreeMap::new(), Vec::new(), (&store, &interrupt));
-    assert!(matches!(ended, Err(Error::Interrupted)), "{ended:?}");
-    let made = run(&long, BTreeMap::new(), Vec::new(), (&store, &Interrupt::new()));
-    assert!(made.is_ok(), "{made:?}");
+    for (asked, ends) in [(&interrupt, true), (&Interrupt::new(), false)] {
+        let job = run::Job { task: &long, inputs: BTreeMap::new(), needed: Vec::new() };
+        let ended = run::run(vec![job], &store, asked);
+        assert_eq!(matches!(ended[0], Err(Error::Interrupted)), ends, "{ended:?}");
+    }
+}
+
+#[test]
+fn tasks_of_a_group_run_side_by_side_each_with_a_record_of_its_own() {
+    static SIZES: Mutex<Vec<usize>> = Mutex::new(Vec::new());
+    let made = |all: &[(u8, &Inputs)]| -> Vec<Made> {
+        SIZES.lock().unwrap().push(all.len());
+        assert!(all.len() == 1 || all.iter().all(|(byte, _)| *byte < 20), "on purpose");
+        let each = |(byte, _): &(u8, &Inputs)| match byte {
+            19 => Err("odd one out".into()),
+            byte => Ok(out(*byte)),
+        };
+        all.iter().map(each).collect()
+    };
+    let plan = |bytes: &[u8]| {
+        let group = |byte: u8| Some(Group { key: format!("tens {}", byte / 10), most: 3 });
+        let task = |byte: &u8| Task::in_group(format!("a/{byte}"), byte, group(*byte), made);
+        Plan::new("program", bytes.iter().map(task).collect()).unwrap()
+    };
+    let sizes = || std::mem::take(&mut *SIZES.lock().unwrap());
+    let cache = tempfile::tempdir().unwrap();
+    let options = Options { jobs: 1, ..Options::default() };
+    let first = walk(&plan(&[0, 1, 10, 2, 3, 11]), cache.path(), options);
+    assert_eq!(sizes(), [2, 2, 2], "at most three, in equal parts");
+    assert_eq!(first.ran.len(), 6);
+    assert_eq!(first.manifests["a/3"].outputs["out"], hash(&[3]));
+    // One more is run alone, or with others that are stale.
+    assert_eq!(walk(&plan(&[0, 1, 2, 3, 4]), cache.path(), options).ran.len(), 1);
+    assert_eq!(sizes(), [1]);
+    // No thread is left without work.
+    walk(&plan(&[5, 6]), cache.path(), Options { jobs: 2, ..options });
+    assert_eq!(sizes(), [1, 1]);
+    // A failure is that of one task, and a panic too.
+    let options = Options { keep_going: true, ..options };
+    let failed = walk(&plan(&[17, 18, 19]), cache.path(), options);
+    assert_eq!((failed.failed, failed.ran.len()), (vec!["a/19: odd one out".into()], 2));
+    let panics = walk(&plan(&[20, 21]), cache.path(), options);
+    assert_eq!((panics.failed.len(), panics.ran.len()), (0, 2));
+    assert_eq!(sizes(), [3, 2, 1, 1]);
 }
 
 #[test]

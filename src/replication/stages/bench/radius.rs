@@ -9,7 +9,7 @@ use crate::table::rows::Rows;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use signorini_mathematics::solvers::convergence;
+use signorini_mathematics::statement::{Domain, Fineness, Statement};
 
 /// Problems, grids by cells per side, and values of r, the largest first.
 #[derive(Serialize, Deserialize)]
@@ -41,8 +41,12 @@ impl AskedRadius {
             cases.extend(self.cells.iter().map(|&cells| (problem, f, cells)));
         }
         let found = cases.par_iter().map(|&(problem, f, cells)| {
-            convergence(f, cells, &self.r, self.measured_r)
-                .map_err(|reason| format!("{problem} on 1/{cells}: {reason}"))
+            let refused = |reason: String| format!("{problem} on 1/{cells}: {reason}");
+            let fineness = Fineness::Width(cells);
+            let statement = Statement { fineness, ..Statement::usual(Domain::square(), f) };
+            let problem = statement.exactly().problem(None, &|_| ());
+            let problem = problem.map_err(|e| refused(e.to_string()))?;
+            problem.convergence(&self.r, self.measured_r).map_err(refused)
         });
         let found: Vec<_> = found.collect::<Result<_, String>>()?;
         let (mut radii, mut measured) = (Vec::new(), Vec::new());

@@ -6,12 +6,8 @@ use crate::replication::project::{Project, TRUTH};
 use crate::replication::stages::to_json;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use signorini_mathematics::discrete::contact::ContactArc;
-use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
-use signorini_mathematics::levels::Problem;
 use signorini_mathematics::saddle::Pair;
-use signorini_mathematics::solvers::true_solution;
-use signorini_mathematics::spectral::TrueSolution;
+use signorini_mathematics::solvers::{Solved, Solver};
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
 
 /// Contents of `pipeline/truth.toml`, as `benches/peers/truth.py` writes it.
@@ -53,7 +49,8 @@ fn number(digits: &str) -> Result<f64, String> {
 
 impl Solution {
     /// Largest difference of a number of ours from one of the record.
-    fn difference(&self, ours: &TrueSolution) -> Result<f64, String> {
+    fn difference(&self, ours: &Solved) -> Result<f64, String> {
+        let ours = ours.truth().ok_or("no true solution")?;
         let mut differences = vec![
             number(&self.energy)? - ours.energy,
             number(&self.centre)? - ours.values(&[[0.0; 2]])[0],
@@ -65,7 +62,8 @@ impl Solution {
             return Err(format!("{TRUTH}: `{}` has other arcs of contact here", self.f));
         }
         for arc in &self.contact {
-            let own = ours.contact.iter().map(|own| arc.difference(own));
+            let own = ours.contact.iter();
+            let own = own.map(|own| arc.difference(own.force, [own.from, own.to]));
             let own = own.collect::<Result<Vec<_>, _>>()?;
             differences.push(own.into_iter().fold(f64::INFINITY, f64::min));
         }
@@ -74,9 +72,10 @@ impl Solution {
 }
 
 impl Arc {
-    fn difference(&self, own: &ContactArc) -> Result<f64, String> {
-        let mut difference = (number(&self.force)? - own.force).abs();
-        let ends = self.from.iter().zip(own.from).chain(self.to.iter().zip(own.to));
+    /// Largest difference from the force and the ends of an arc of ours.
+    fn difference(&self, force: f64, [from, to]: [[f64; 2]; 2]) -> Result<f64, String> {
+        let mut difference = (number(&self.force)? - force).abs();
+        let ends = self.from.iter().zip(from).chain(self.to.iter().zip(to));
         for (digits, own) in ends {
             difference = difference.max((number(digits)? - own).abs());
         }
@@ -84,20 +83,13 @@ impl Arc {
     }
 }
 
-/// Problem of f on a grid, with the load by which the discrete energy is that of the nodal vector.
-fn statement(f: &str, cells: usize) -> Statement {
-    Statement {
-        load: Some(LoadRule::Exact { diagonal: Diagonal::default() }),
-        fineness: Fineness::Width(cells),
-        ..Statement::usual(Domain::square(), f)
-    }
-}
-
-/// True solution of f on the square, with the problem at whose nodes it is given.
-fn solved(f: &str) -> Result<(Problem, TrueSolution), String> {
-    let problem = statement(f, SAMPLED).problem(None, &|_| ()).map_err(|e| format!("{f}: {e}"))?;
-    let truth = true_solution(&problem).map_err(|e| format!("{f}: {e}"))?;
-    Ok((problem, truth))
+/// Solution of f on a grid of the square by a solver, with the load by which the discrete energy is that of the nodal
+/// vector; of the true solution, the grid at whose nodes it is given.
+fn solved(f: &str, cells: usize, solver: Solver) -> Result<Solved, String> {
+    let fineness = Fineness::Width(cells);
+    let statement = Statement { fineness, ..Statement::usual(Domain::square(), f) };
+    let statement = Statement { solver, ..statement.exactly() };
+    statement.solved(None).map_err(|e| format!("{f}: {e}"))
 }
 
 /// The paper's problems, by f, and the cells per side of their finest grids.
@@ -122,11 +114,11 @@ impl AskedTruth {
         let mut found = compared(from_record(TRUTH, record)?)?;
         let mut samples = Vec::new();
         for (f, cells) in &self.problems {
-            let (problem, truth) = solved(f)?;
-            let Pair { y, a } = truth.at_nodes(&problem);
-            let discrete = statement(f, *cells).solved(None).map_err(|e| format!("{f}: {e}"))?;
+            let truth = solved(f, SAMPLED, Solver::Spectral)?;
+            let Pair { y, a } = truth.pair();
+            let discrete = solved(f, *cells, Solver::Multigrid)?;
             // No less than the error in the energy norm.
-            let error = (2.0 * (discrete.energy() - truth.energy)).sqrt();
+            let error = (2.0 * (discrete.energy() - truth.energy())).sqrt();
             samples.push(json!({ "cells": SAMPLED, "v": y, "a": a, "error": error }));
         }
         found["samples"] = samples.into();
@@ -139,10 +131,11 @@ impl AskedTruth {
 fn compared(record: TruthFile) -> Result<Value, String> {
     let (mut difference, mut bracket, mut balance) = (0.0f64, 0.0f64, 0.0f64);
     for theirs in &record.solution {
-        let (_, ours) = solved(&theirs.f)?;
+        let ours = solved(&theirs.f, SAMPLED, Solver::Spectral)?;
         difference = difference.max(theirs.difference(&ours)?);
-        bracket = bracket.max(ours.checks.bracket.unwrap_or(f64::INFINITY));
-        balance = balance.max(ours.checks.balance.abs());
+        let checks = ours.truth().map(|truth| &truth.checks).ok_or("no true solution")?;
+        bracket = bracket.max(checks.bracket.unwrap_or(f64::INFINITY));
+        balance = balance.max(checks.balance.abs());
     }
     Ok(json!({
         "solutions": record.solution, "difference": difference, "bracket": bracket, "balance": balance,

@@ -11,6 +11,14 @@ fn only(scene: &Scene) -> Cell {
     cell(scene, scene.drawn(None))
 }
 
+/// Artifacts of the cell of a scene with one member.
+fn made(scene: &Scene, interrupted: &AtomicBool) -> Made {
+    let cell = only(scene);
+    let mut recorder = cell.recorder(interrupted);
+    let solved = cell.solved(&InputFiles::new(), &mut recorder);
+    cell.artifacts(solved, recorder)
+}
+
 /// Calls `read` with a scene of this text that asks for an accuracy, and the artifacts of its solve. The scene asks for
 /// less than was reached: if it were solved again, its grid or mesh would be another.
 pub(in crate::replication::stages) fn with_solved(text: &str, read: impl FnOnce(&Inputs, &Scene)) {
@@ -20,8 +28,7 @@ pub(in crate::replication::stages) fn with_solved(text: &str, read: impl FnOnce(
     let statement = Statement { fineness, ..scene.statement.clone() };
     let study = Study::of(&[], vec![statement.clone().into()]);
     let less = Scene { statement, study, ..scene.clone() };
-    let [made, other] =
-        [&scene, &less].map(|of| only(of).artifacts(&InputFiles::new(), &interrupted).unwrap());
+    let [made, other] = [&scene, &less].map(|of| made(of, &interrupted).unwrap());
     assert_ne!(made[PAIR].len(), other[PAIR].len());
     let path = "pipeline/scenes/t.toml";
     let file = InputFile::with(path.into(), text.into());
@@ -59,8 +66,7 @@ fn problems_with_an_accuracy_are_read_on_the_levels_that_reached_it() {
 fn an_interrupt_ends_the_way_to_an_accuracy_between_grids_and_between_meshes() {
     for text in ACCURATE {
         let scene = Scene::parse("t", text).unwrap();
-        let interrupted = AtomicBool::new(true);
-        let run = only(&scene).run(&InputFiles::new(), &interrupted);
-        assert!(matches!(run.err(), Some(Error::Interrupted)));
+        let reason = made(&scene, &AtomicBool::new(true)).err().unwrap();
+        assert!(matches!(reason.downcast_ref(), Some(Error::Interrupted)));
     }
 }

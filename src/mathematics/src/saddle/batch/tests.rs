@@ -5,7 +5,8 @@ use crate::discrete::grid::Grid;
 use crate::discrete::load::{LoadRule, load};
 use crate::discrete::network::Network;
 use crate::problem::law::Law;
-use crate::saddle::{Engine, GradientMeasure, Method, Pair, RunStart, engine};
+use crate::saddle::network::OnNetwork;
+use crate::saddle::{Engine, GradientMeasure, Method, Pair, RunStart};
 
 fn setting() -> (Grid, Vec<f64>, Pair) {
     let grid = Grid::new(16).unwrap();
@@ -23,7 +24,9 @@ fn all_engines_have_the_same_pairs_and_measures_to_the_last_bit() {
     let network = Network::of_square(grid);
     for law in laws() {
         let run = RunStart { load: &load, method: Method::ArrowHurwicz, r: 3.0, pair: &start };
-        let (mut square, mut definition) = (engine(grid, law, &run), engine(&network, law, &run));
+        let mut square = Lanes::<1, f64>::new(grid, law, Order::Lexicographic, 1.0);
+        square.enter(0, law, &run);
+        let mut definition = OnNetwork::new(&network, law, &run);
         let mut lanes: Lanes = Lanes::new(grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
         lanes.enter(5, law, &run);
         for _ in 0..20 {

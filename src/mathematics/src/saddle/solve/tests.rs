@@ -31,7 +31,6 @@ fn both(grid: Grid, load: &[f64], params: &Params, weight: f64) -> [(Outcome, us
             Law::SIGNORINI.with_load(load),
             &Params { method: uzawa(weight), ..*params },
             &mut pair,
-            None,
         );
         (end, end.end.sweeps(), pair)
     })
@@ -73,7 +72,6 @@ fn one_sweep_inside_is_arrow_hurwicz_to_the_last_bit() {
         Law::SIGNORINI.with_load(&load),
         &Params { method: once, ..tight(3.0) },
         &mut ours,
-        None,
     );
     let mut theirs = Pair::zero(grid);
     assert_eq!(end, arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &tight(3.0), &mut theirs));
@@ -102,7 +100,7 @@ fn without_a_minimum_both_end_at_a_cap() {
     assert_eq!((plain.end.stop, sweeps), (Stop::IterationLimit, 3000));
     assert_eq!(plain.end.iterations, 0, "the inner problem has no minimum");
     let mut further = up.clone();
-    solve(grid, Law::SIGNORINI.with_load(&load), &capped, &mut further, None);
+    solve(grid, Law::SIGNORINI.with_load(&load), &capped, &mut further);
     let drift = 3000.0 * 0.5 * grid.h() * grid.h() * load.iter().sum::<f64>();
     for (low, high) in up.y.iter().zip(&further.y) {
         assert!((high - low - drift).abs() < 1e-9 * drift, "{} {drift}", high - low);
@@ -138,17 +136,55 @@ fn what_is_no_number_diverges() {
 }
 
 #[test]
-fn the_monitor_sees_each_step() {
+fn a_history_has_each_step() {
     let (grid, load) = setting(PROBLEMS[1]);
-    let mut seen = Vec::new();
-    let mut record = |iteration: &Iteration| seen.push(*iteration);
-    let mut pair = Pair::zero(grid);
     let params = Params { method: uzawa(0.0), ..tight(1.0) };
-    let end = solve(grid, Law::SIGNORINI.with_load(&load), &params, &mut pair, Some(&mut record));
-    assert!(seen.iter().map(|iteration| iteration.number).eq(1..=end.end.iterations));
-    let last = seen.last().unwrap();
-    assert_eq!(Some(last.gradient_abs), end.gradient_abs);
-    assert_eq!(Some(last.delta_a), end.end.delta_a);
+    let (problem, start) = (Law::SIGNORINI.with_load(&load), &Pair::zero(grid));
+    let run = LevelRun { problem, params, start, has_history: true };
+    let without = LevelRun { has_history: false, ..run };
+    for runs in [vec![run], vec![without, without, run]] {
+        let ends = solve_together(grid.into(), &runs);
+        let LevelEnd { outcome, history, .. } = &ends[runs.len() - 1];
+        assert!(history.iter().map(|iteration| iteration.number).eq(1..=outcome.end.iterations));
+        let last = history.last().unwrap();
+        assert_eq!(Some(last.gradient_abs), outcome.gradient_abs);
+        assert_eq!(Some(last.delta_a), outcome.end.delta_a);
+        assert!(ends[..runs.len() - 1].iter().all(|end| end.history.is_empty()));
+    }
+}
+
+#[test]
+fn runs_side_by_side_have_the_bits_of_each_alone() {
+    let grid = Grid::new(16).unwrap();
+    let loads = PROBLEMS.map(|f| load(grid, &f.parse().unwrap(), LoadRule::Bilinear {}));
+    let (start, loose) = (&Pair::zero(grid), uzawa(0.0).loose());
+    let mut runs = Vec::new();
+    for load in &loads {
+        for method in [Method::ArrowHurwicz, uzawa(0.0), loose, uzawa(2.0)] {
+            for (r, kkt) in [(0.7, None), (10.0, Some(1e-5)), (1e5, None)] {
+                let params = Params {
+                    method,
+                    kkt,
+                    r,
+                    max_iterations: 3000,
+                    rule: StopRule::Printed,
+                    ..Params::default()
+                };
+                let problem = Law::SIGNORINI.with_load(load);
+                runs.push(LevelRun { problem, params, start, has_history: false });
+            }
+        }
+    }
+    for (run, end) in runs.iter().zip(solve_together(grid.into(), &runs)) {
+        let mut pair = start.clone();
+        assert_eq!(
+            solve(grid, run.problem, &run.params, &mut pair),
+            end.outcome,
+            "{:?}",
+            run.params
+        );
+        assert_eq!(pair, end.pair, "{:?}", run.params);
+    }
 }
 
 #[test]
@@ -162,10 +198,10 @@ fn uzawa_ends_at_the_rounding_errors_of_huge_loads() {
         let params = Params { method, r: 4.0, tolerance: 1e-3, rule, ..Params::default() };
         let problem = Law::SIGNORINI.with_load(&load);
         let (mut on_grid, mut on_network) = (Pair::zero(grid), Pair::zero(&network));
-        let run = solve(grid, problem, &params, &mut on_grid, None);
+        let run = solve(grid, problem, &params, &mut on_grid);
         assert_eq!(run.end.stop, Stop::Converged, "{weight} {rule}");
         assert!(rule != StopRule::PrintedDual || run.kkt.relative < 1e-9, "{run:?}");
-        let run = solve(&network, problem, &params, &mut on_network, None);
+        let run = solve(&network, problem, &params, &mut on_network);
         assert_eq!(run.end.stop, Stop::Converged, "{weight} {rule}");
     }
 }
@@ -187,8 +223,8 @@ fn every_method_gives_the_bits_of_the_square() {
             ..Params::default()
         };
         let (mut on_grid, mut on_network) = (Pair::zero(grid), Pair::zero(&network));
-        let expected = solve(grid, law.with_load(&load), &params, &mut on_grid, None);
-        let run = solve(&network, law.with_load(&load), &params, &mut on_network, None);
+        let expected = solve(grid, law.with_load(&load), &params, &mut on_grid);
+        let run = solve(&network, law.with_load(&load), &params, &mut on_network);
         assert_eq!(run.end.iterations, expected.end.iterations, "{method:?} {law}");
         assert_eq!(run.end.sweeps(), expected.end.sweeps(), "{method:?} {law}");
         if method.weight() == 0.0 {
