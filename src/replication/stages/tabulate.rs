@@ -291,16 +291,18 @@ mod tests {
         };
         let (met, limit) = (Stop::Converged, Stop::IterationLimit);
         let mut levels = [
+            vec![level(4, 2, "diverged", Stop::Diverged)],
             vec![level(4, 1, "no-solution", met), level(8, 149, "converged", met)],
             vec![level(4, 3, "converged", met), level(8, 55, "iteration-limit", limit)],
         ];
-        levels[0][1].delta_a = Some(1e-4 / 3.0);
-        levels[1][1].delta_a = Some(3.53e-4);
-        let runs = [(StopRule::Signed, 1e6), (StopRule::Printed, 0.5)];
+        levels[1][1].delta_a = Some(1e-4 / 3.0);
+        levels[2][1].delta_a = Some(3.53e-4);
+        let runs = [(StopRule::Signed, 1e12), (StopRule::Signed, 1e6), (StopRule::Printed, 0.5)];
         let runs = runs.map(|(stop, r)| SaddleSettings { stop, r, ..SaddleSettings::default() });
         let csv = table(&runs, &levels).csv();
         expect_test::expect![[r"
             rule,r,1/4,1/8,delta_a,capped 1/8,stop 1/4
+            signed,1000000000000.0,2,,,false,diverged
             signed,1000000.0,1,149,0.000033333333333333335,false,no-solution
             printed,0.5,3,55,0.000353,true,converged
         "]]

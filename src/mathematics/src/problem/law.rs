@@ -256,7 +256,14 @@ impl Law {
     /// whatever the gradient.
     #[inline(always)]
     pub(crate) fn above_ends(self, gradient: f64, measure: f64) -> [f64; 2] {
-        [self.lo, self.hi].map(|end| if end.is_finite() { gradient - measure * end } else { -end })
+        let [mut above_lo, mut above_hi] = [-self.lo, -self.hi];
+        if self.lo.is_finite() {
+            above_lo = gradient - measure * self.lo;
+        }
+        if self.hi.is_finite() {
+            above_hi = gradient - measure * self.hi;
+        }
+        [above_lo, above_hi]
     }
 
     /// State at a boundary node, where differences up to `rounding` are rounding errors: a node sticks where the

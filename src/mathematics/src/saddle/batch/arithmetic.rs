@@ -2,12 +2,24 @@
 
 use super::LANES;
 use crate::problem::law::Law;
-use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Sub};
 
 /// A number per lane, aligned as `L` is.
 #[derive(Clone, Copy)]
 pub(crate) struct V<const K: usize = LANES, L = LaneAlignment>(pub [f64; K], [L; 0]);
+
+/// Returns the values of a function at the first numbers. That of the standard library is not inlined in every build,
+/// and its calls then take far longer than the work.
+#[inline(always)]
+pub(super) fn each<T: Copy + Default, const N: usize>(value: impl Fn(usize) -> T) -> [T; N] {
+    let mut values = [T::default(); N];
+    let mut k = 0;
+    while k < N {
+        values[k] = value(k);
+        k += 1;
+    }
+    values
+}
 
 /// Alignment of the numbers of [`LANES`] lanes: with one load each.
 #[derive(Clone, Copy)]
@@ -24,7 +36,7 @@ impl<const K: usize, L: Copy> Add for V<K, L> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self::of(from_fn(|l| self.0[l] + other.0[l]))
+        Self::of(each(|l| self.0[l] + other.0[l]))
     }
 }
 
@@ -32,7 +44,7 @@ impl<const K: usize, L: Copy> Div for V<K, L> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        Self::of(from_fn(|l| self.0[l] / other.0[l]))
+        Self::of(each(|l| self.0[l] / other.0[l]))
     }
 }
 
@@ -40,7 +52,7 @@ impl<const K: usize, L: Copy> Mul for V<K, L> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        Self::of(from_fn(|l| self.0[l] * other.0[l]))
+        Self::of(each(|l| self.0[l] * other.0[l]))
     }
 }
 
@@ -56,7 +68,7 @@ impl<const K: usize, L: Copy> Sub for V<K, L> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Self::of(from_fn(|l| self.0[l] - other.0[l]))
+        Self::of(each(|l| self.0[l] - other.0[l]))
     }
 }
 
@@ -74,13 +86,13 @@ impl<const K: usize, L: Copy> V<K, L> {
     /// The absolute values.
     #[inline(always)]
     pub(super) fn abs(self) -> Self {
-        Self::of(self.0.map(f64::abs))
+        Self::of(each(|l| self.0[l].abs()))
     }
 
     /// In each lane, the greater of two numbers; the other one where this is NaN.
     #[inline(always)]
     pub(super) fn greatest(self, other: Self) -> Self {
-        Self::of(from_fn(|l| if self.0[l] > other.0[l] { self.0[l] } else { other.0[l] }))
+        Self::of(each(|l| if self.0[l] > other.0[l] { self.0[l] } else { other.0[l] }))
     }
 }
 
@@ -113,7 +125,7 @@ impl<const K: usize, L: Copy> LaneLaws<K, L> {
     #[inline(always)]
     pub(super) fn project(&self, flux: V<K, L>) -> V<K, L> {
         let (lo, hi) = (self.lo, self.hi);
-        V::of(from_fn(|l| {
+        V::of(each(|l| {
             let above = if flux.0[l] > lo.0[l] { flux.0[l] } else { lo.0[l] };
             if above < hi.0[l] { above } else { hi.0[l] }
         }))
@@ -122,7 +134,7 @@ impl<const K: usize, L: Copy> LaneLaws<K, L> {
     /// In each lane, [`Law::residual`].
     #[inline(always)]
     pub(super) fn residual(&self, y: V<K, L>, gradient: V<K, L>, measure: f64) -> V<K, L> {
-        V::of(from_fn(|l| self.laws[l].residual(y.0[l], gradient.0[l], measure)))
+        V::of(each(|l| self.laws[l].residual(y.0[l], gradient.0[l], measure)))
     }
 
     /// In each lane, [`Law::relax`] on a row with this diagonal entry, by which `divided` divides.
@@ -137,7 +149,7 @@ impl<const K: usize, L: Copy> LaneLaws<K, L> {
         let (lo, hi) = (self.lo, self.hi);
         let up = divided(sum + lo * measure);
         let least = (a - lo) / r;
-        let slips_up: [bool; K] = from_fn(|l| up.0[l] >= least.0[l]);
+        let slips_up: [bool; K] = each(|l| up.0[l] >= least.0[l]);
         if slips_up.iter().all(|slips| *slips) {
             return up;
         }
@@ -146,8 +158,8 @@ impl<const K: usize, L: Copy> LaneLaws<K, L> {
         if self.has_upper {
             let down = divided(sum + hi * measure);
             let most = (a - hi) / r;
-            other = V::of(from_fn(|l| if down.0[l] <= most.0[l] { down.0[l] } else { other.0[l] }));
+            other = V::of(each(|l| if down.0[l] <= most.0[l] { down.0[l] } else { other.0[l] }));
         }
-        V::of(from_fn(|l| if slips_up[l] { up.0[l] } else { other.0[l] }))
+        V::of(each(|l| if slips_up[l] { up.0[l] } else { other.0[l] }))
     }
 }

@@ -1,7 +1,7 @@
 //! The iterates of several runs on one grid, node by node with a number per run.
 
 use super::LANES;
-use super::arithmetic::{LaneAlignment, LaneLaws, V};
+use super::arithmetic::{LaneAlignment, LaneLaws, V, each};
 use crate::discrete::grid::Grid;
 use crate::discrete::network::Network;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
@@ -40,7 +40,7 @@ impl LaneEdge {
     /// Values of the neighbours times their weights.
     #[inline(always)]
     pub(super) fn terms<const K: usize, L: Copy>(&self, y: &[V<K, L>]) -> [V<K, L>; 3] {
-        from_fn(|k| y[self.around[k] as usize] * self.weights[k])
+        each(|k| y[self.around[k] as usize] * self.weights[k])
     }
 }
 
@@ -316,7 +316,7 @@ impl<const K: usize, L: Copy> Lanes<K, L> {
         for edge in &*self.edges {
             let (y, a) = (self.y[edge.node as usize], &mut self.a[edge.place as usize]);
             let next = *a - self.r * y;
-            let next = V::of(from_fn(|l| if steps.0[l] == 1.0 { next.0[l] } else { a.0[l] }));
+            let next = V::of(each(|l| if steps.0[l] == 1.0 { next.0[l] } else { a.0[l] }));
             // Zero, unless a value is no finite number.
             not_finite = not_finite + next * V::all(0.0);
             let next = self.laws.project(next);

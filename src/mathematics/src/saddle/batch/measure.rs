@@ -1,6 +1,6 @@
 //! The lanes as an engine: measures of the iterates, node by node in all lanes at once.
 
-use super::arithmetic::V;
+use super::arithmetic::{V, each};
 use super::lanes::{LaneEdge, Lanes};
 use crate::discrete::norms::worst;
 use crate::machine::simd::vectorised;
@@ -52,9 +52,12 @@ impl<const K: usize, L: Copy> Engine<K> for Lanes<K, L> {
                         #[inline(always)]
                         |value, _| {
                             // One comparison, which NaN fails, so that all lanes are compared at once.
-                            above = V::of(from_fn(|l| {
-                                if value.0[l] <= bounds[l] { above.0[l] } else { 1.0 }
-                            }));
+                            above =
+                                V::of(each(
+                                    |l| {
+                                        if value.0[l] <= bounds[l] { above.0[l] } else { 1.0 }
+                                    },
+                                ));
                         },
                     );
                     for lane in 0..K {
@@ -85,7 +88,7 @@ impl<const K: usize, L: Copy> Engine<K> for Lanes<K, L> {
                         #[inline(always)]
                         |value: V<K, L>, _| {
                             worst = value.greatest(worst);
-                            nan = V::of(from_fn(|l| {
+                            nan = V::of(each(|l| {
                                 if value.0[l].is_nan() { value.0[l] } else { nan.0[l] }
                             }));
                         },
