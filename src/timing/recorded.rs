@@ -17,6 +17,8 @@ pub const SCHEMA: u8 = 1;
 pub struct Timings {
     /// Version of the format, [`SCHEMA`].
     pub schema: u8,
+    /// Day on which the times were measured, in words.
+    pub date: String,
     /// Bandwidth of the memory in GB/s, one thread that updates in place; a store counts once, as in STREAM.
     #[serde(deserialize_with = "positive")]
     pub bandwidth: f64,

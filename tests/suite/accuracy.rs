@@ -26,7 +26,7 @@ fn members_of_a_study_are_timed() {
     assert_eq!(table.lines().count(), 5);
 }
 
-const RECORD: &str = "schema = 1\nbandwidth = 20\n[machine]\ncpu = \"c\"\n\
+const RECORD: &str = "schema = 1\ndate = \"d\"\nbandwidth = 20\n[machine]\ncpu = \"c\"\n\
     cores = 2\ncaches = \"\"\nos = \"o\"\nrustc = \"r\"\nload = 0.1\nrepeats = 9\n";
 const PEER: &str = "[[peer]]\nsolver = \"other\"\nf = \"else=-1\"\ncells = 8\ntheirs = 1\n\
     their_kkt = 1e-9\nours = 1\nour_kkt = 1e-9\n";
@@ -54,10 +54,10 @@ fn a_spoilt_record_is_refused_with_line_and_remedy() {
         assert!(message.to_string().contains(what), "{message}");
     }
     for (old, new, line, what) in [
-        ("bandwidth = 20", "bandwidth = -1", 2, "not a positive number"),
-        ("bandwidth = 20", "bandwidth = nan", 2, "not a positive number"),
-        ("cores = 2", "cores = \"two\"", 5, "invalid type"),
-        ("load = 0.1", "lord = 0.1", 9, "unknown field"),
+        ("bandwidth = 20", "bandwidth = -1", 3, "not a positive number"),
+        ("bandwidth = 20", "bandwidth = nan", 3, "not a positive number"),
+        ("cores = 2", "cores = \"two\"", 6, "invalid type"),
+        ("load = 0.1", "lord = 0.1", 10, "unknown field"),
     ] {
         let message = Timings::parse(good.replace(old, new)).unwrap_err().to_string();
         assert!(message.starts_with(&format!("{PATH}: line {line}: ")), "{message}");

@@ -12,8 +12,8 @@ use signorini_mathematics::discrete::norms::max_error;
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{
-    Iteration, Monitor, NestedGrids, Pair, Params, StopRule, arrow_hurwicz, run_nested, solve, solve_nested,
-    tolerance,
+    Iteration, Monitor, NestedGrids, Pair, Params, StopRule, arrow_hurwicz, run_nested, solve,
+    solve_nested, tolerance,
 };
 
 fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {

@@ -208,6 +208,10 @@ impl<'a> Walk<'a> {
                 let ended = receive.recv().expect("this end has a sender as well");
                 running -= 1;
                 for (ran, made) in ended {
+                    if made.is_err() && self.stops() {
+                        // Of a group that failed, as of others, the first reason is told.
+                        continue;
+                    }
                     match self.settle(ran, made) {
                         Ok(jobs) => queue.extend(jobs),
                         Err(e) => broken = broken.take().or(Some(e)),

@@ -214,7 +214,9 @@ impl Cell {
         if let Some(pair) = pairs.last().filter(|pair| self.keep_pair && is_finite(pair)) {
             artifacts.insert(PAIR.into(), pair_bytes(pair));
         }
-        if let Some(marks) = solved.reached.and_then(|reached| reached.marks) {
+        let marks = solved.reached.and_then(|reached| reached.marks);
+        // Of a study nothing is drawn.
+        if let Some(marks) = marks.filter(|_| !self.is_row) {
             artifacts.insert(MARKS.into(), marks_bytes(&marks));
         }
         if self.keep_history {
