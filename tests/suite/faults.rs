@@ -110,42 +110,55 @@ fn a_second_run_at_once_is_told_who_runs() {
     project.run(&["run"]).nothing_to_do();
 }
 
-/// Starts as many pairs of runs at once in one project, by turns with one cache and with two.
-fn pairs_of_runs_at_once(pairs: usize) {
-    let scene = wanting(EVERYTHING);
-    let reference = Project::with(&scene);
-    reference.run(&["run"]).lines();
-    let wanted = reference.made();
-    let project = Project::with(&scene);
+/// Starts as many pairs of runs at once in one project, by turns with one cache and with two, each pair after `before`
+/// and followed by `after`.
+pub(crate) fn pairs_of_runs_at_once(
+    project: &Project,
+    (args, pairs): (&[&str], usize),
+    before: impl Fn(),
+    after: impl Fn(),
+) {
     let mut refused = 0;
     for pair in 0..pairs {
-        let start = |cache: &str| {
-            let mut command = project.command(&["run", "--force", "--cache-dir", cache]);
-            command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
-        };
+        before();
         let caches = if pair % 2 == 0 { [".signorini"; 2] } else { [".signorini", "second"] };
-        let both = caches.map(start).map(|run| Said::from(run.wait_with_output().unwrap()));
+        let both = caches.map(|cache| {
+            let mut command = project.command(&[args, &["--cache-dir", cache]].concat());
+            command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+        });
+        let both = both.map(|run| Said::from(run.wait_with_output().unwrap()));
         for said in both.iter().filter(|said| said.code != Some(0)) {
             assert!(said.refusal().contains("another signorini ("), "{said:?}");
             refused += 1;
         }
         assert!(both.iter().any(|said| said.code == Some(0)), "one of them ran: {both:?}");
-        assert_eq!(project.run(&["run"]).code, Some(0));
-        assert_same(&project.made(), &wanted);
-        assert_eq!(project.leftovers(), [""; 0]);
+        after();
     }
     eprintln!("{refused} of {pairs} second runs came while the first was at work");
 }
 
+/// Pairs of runs that make all of a small project.
+fn pairs_of_small_runs(pairs: usize) {
+    let [reference, project] = [(); 2].map(|()| Project::with(&wanting(EVERYTHING)));
+    reference.run(&["run"]).lines();
+    let wanted = reference.made();
+    let after = || {
+        assert_eq!(project.run(&["run"]).code, Some(0));
+        assert_same(&project.made(), &wanted);
+        assert_eq!(project.leftovers(), [""; 0]);
+    };
+    pairs_of_runs_at_once(&project, (&["run", "--force"], pairs), || (), after);
+}
+
 #[test]
 fn two_runs_started_at_once_do_not_disturb_each_other() {
-    pairs_of_runs_at_once(promised("Two runs started at once"));
+    pairs_of_small_runs(promised("Two runs started at once"));
 }
 
 #[test]
 #[ignore = "takes a minute; run with --ignored"]
 fn two_hundred_pairs_of_runs_at_once_do_not_disturb_each_other() {
-    pairs_of_runs_at_once(promised("Two runs started at once, in the long tests"));
+    pairs_of_small_runs(promised("Two runs started at once, in the long tests"));
 }
 
 #[test]

@@ -49,6 +49,7 @@ mod notices;
 mod over_scenes;
 mod plain_code;
 mod plane;
+mod python;
 mod reading;
 mod readme;
 mod reference;

@@ -1,10 +1,10 @@
-//! Studies: members as single solves, tables, charts, interrupts and refusals; and what calls the program from Python.
+//! Studies: options, scenes and saved scenes, interrupts, and what studies of this project find.
 
-use crate::common::{Project, Said, TABLE, rows, send, skip, wait_for_handler};
+use crate::common::{Project, Said, TABLE, rows, send, wait_for_handler};
 use serde_json::Value;
 use std::fs;
 use std::io::{BufRead, BufReader};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 
 const F: &str = "halfplane(1,0,0)=8; else=-9";
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
@@ -109,79 +109,4 @@ fn arcs_that_stick_shrink_exponentially_as_friction_gets_weaker() {
         let rate = fall.ln() / (1.0 / number(next, "friction") - 1.0 / number(one, "friction"));
         assert!((5.5..7.5).contains(&rate), "{rate}: {one} {next}");
     }
-}
-
-/// Runs Python with the module of this project and the program that the tests built; none without NumPy.
-pub(crate) fn python(args: &[&str]) -> Option<Output> {
-    let run = |args: &[&str]| {
-        let mut command = Command::new("python3");
-        command.args(args).current_dir(ROOT).env("PYTHONDONTWRITEBYTECODE", "1");
-        command.env("PYTHONPATH", "src/python").env("SIGNORINI", env!("CARGO_BIN_EXE_signorini"));
-        command.output()
-    };
-    if !run(&["-c", "import numpy"]).is_ok_and(|found| found.status.success()) {
-        skip("no python3 with numpy");
-        return None;
-    }
-    Some(run(args).unwrap())
-}
-
-#[test]
-fn the_notebook_has_the_outputs_that_it_keeps() {
-    let Some(output) = python(&["tests/notebook.py", "src/python/signorini.ipynb"]) else { return };
-    let said = Said::from(output);
-    assert_eq!(said.lines(), ["5 cells"]);
-}
-
-#[test]
-fn python_varies_values_of_any_kind() {
-    let program = "import signorini\n\
-        f = 'disc(0,0,$R)=4; else=-1'\n\
-        print(signorini.study({'R': 0.1, 'h': [8, '1/16']}, f=f)['h'])\n\
-        print(signorini.study({'grids': ['4,8']}, f='else=-1')['grids'])\n\
-        print(signorini.study({'solver': 'multigrid'}, f='else=-1', h=8)['solver'])\n\
-        print(signorini.study({'f': ['else=-1', 'formula(min(x,y) - 1)']}, h=8)['f'])\n\
-        print(signorini.study({'fixed': [['inner', 'outer'], []]}, f='else=-1', domain='annulus', refine=0)['fixed'])\n\
-        a = signorini.study({'a': [-2, 3]}, f='formula($a^2 - 6)', h=8)\n\
-        print(a['a'], a['energy'][0] == signorini.solve(f='formula(4 - 6)', h=8).energy)\n\
-        for vary in [{}, {'R': ['a|b']}, {'R': [None]}]:\n\
-        \x20   try: signorini.study(vary, f=f)\n\
-        \x20   except signorini.Refused as e: print(e)\n";
-    let Some(output) = python(&["-c", program]) else { return };
-    let said = Said::from(output);
-    let want = [
-        "[0.125  0.0625]",
-        "['4,8']",
-        "['multigrid']",
-        "['else=-1' 'formula(min(x, y) - 1)']",
-        "['inner,outer' '']",
-        "[-2  3] True",
-        "nothing is varied; give the values of an option, as in study({\"friction\": [0.2, 0.4]}, f=F)",
-        "R: a value with | cannot be varied; solve it alone",
-        "--vary R=None: a name in f is a number, such as 0.25 or 1/4; what is no number varies as a field, as f does",
-    ];
-    assert_eq!(said.lines(), want);
-}
-
-#[test]
-fn python_raises_the_line_of_the_program() {
-    let program = "import signorini\n\
-        try: signorini.solve(f='else=1')\n\
-        except signorini.Refused as e: print(e)\n\
-        square = signorini.solve(f='rect(-0.5,0.5,-0.5,0)=-3; else=1', h='1/8')\n\
-        middles = square.points[square.cells].mean(axis=1)\n\
-        print(((middles[:, 1] < 0) == (square.f == -3)).all(), square.v.shape, square.multiplier.shape)\n\
-        at = signorini.solve(f='else=-1', h=8, at=[(0, 0), (9, 9)])\n\
-        print(at, [value['v'] for value in at.values])\n\
-        none = signorini.study({'friction': [0.01]}, f='else=-1')\n\
-        print(none['energy'], none['reason'][0][:15])\n";
-    let Some(output) = python(&["-c", program]) else { return };
-    let said = Said::from(output);
-    let want = [
-        "the integral of f is 1.000, but the flux through the boundary can only balance a negative one; lower f somewhere",
-        "True (81,) (81,)",
-        "<solution, else=-1, energy -0.01671152, 81 nodes> [-0.0727826286764706, None]",
-        "[nan] the integral of",
-    ];
-    assert_eq!(said.lines(), want);
 }

@@ -4,7 +4,7 @@
 
 use crate::common::{Dice, Project, TABLE};
 use crate::edits::number;
-use crate::studies::python;
+use crate::python::python;
 use serde_json::{Value, json};
 use signorini_mathematics::problem::text::plain;
 use std::fs;
@@ -370,53 +370,4 @@ fn all_voices_say_the_same_of_an_answer() {
     let kinds = said_in_all_voices(count);
     let least = [30, 10, 20, 5].map(|percent| (percent * count / 100) as usize);
     assert!(kinds.iter().zip(least).all(|(count, least)| *count >= least), "{kinds:?}");
-}
-
-#[test]
-fn python_says_what_is_wrong_and_returns_what_is_reached() {
-    let program = "import os, signorini\n\
-        def said(call, *names, **options):\n\
-        \x20   try: print(call(*names, **options))\n\
-        \x20   except signorini.Refused as refused: print(refused)\n\
-        f = 'else=-1'\n\
-        said(signorini.solve, f=f, hh=8)\n\
-        said(signorini.solve, f=f, solver='multgrid')\n\
-        said(signorini.picture, f=f, view='contour')\n\
-        said(signorini.study, {}, f=f)\n\
-        said(signorini.solve, f=f, out='v.svg')\n\
-        partial = signorini.solve(f=f, domain='disc', accuracy=1e-4, most_nodes=500)\n\
-        print(partial.failure[:10], partial.v.shape[0] < 500)\n\
-        print(signorini.study({'solver': 'multigrid'}, f=f, h='1/8')['solver'])\n\
-        print(signorini.study({'R': 0.1}, f='disc(0,0,$R)=1; else=-1', h='1/8')['R'])\n\
-        print(signorini.study({'f': ['else=-1', 'else=-2']}, h='1/8')['f'])\n\
-        print(signorini.study({'grids': ['4,8']}, f=f)['nodes'])\n\
-        at = signorini.solve(f=f, h='1/8', at=[(0.1, 0.2), (0, 0)]).answer['values']\n\
-        print([value['point'] for value in at])\n\
-        print(signorini.solve(f=f, domain='annulus', refine=1, curve={'inner': (0, 0, 0.5)}).failure)\n\
-        os.environ['SIGNORINI'] = '/none'\n\
-        said(signorini.solve, f=f)\n";
-    let Some(output) = python(&["-c", program]) else { return };
-    let text = String::from_utf8(output.stdout).unwrap();
-    let want = [
-        "unexpected argument '--hh' found; tip: a similar argument exists: '--h'",
-        "invalid value 'multgrid' for '--solver <SOLVER>' [possible values: arrow-hurwicz, uzawa, uzawa-loose, \
-         uzawa-proximal, active-set, multigrid, spectral]; tip: a similar value exists: 'multigrid'",
-        "view 'contour': choose one of map, surface, mesh",
-        "nothing is varied; give the values of an option, as in study({\"friction\": [0.2, 0.4]}, f=F)",
-        "out: the answer is returned; leave it out, and write what is returned",
-        "--accuracy True",
-        "['multigrid']",
-        "[0.1]",
-        "['else=-1' 'else=-2']",
-        "[81]",
-        "[[0.1, 0.2], [0.0, 0.0]]",
-        "None",
-        "/none: No such file or directory; name the program by the variable SIGNORINI",
-    ];
-    assert_eq!(
-        text.lines().collect::<Vec<_>>(),
-        want,
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
 }

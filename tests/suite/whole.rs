@@ -1,10 +1,10 @@
 //! This project itself, with all its scenes and its book, killed again and again, and run twice at once.
 
-use crate::common::{Dice, Project, Said, assert_same, promised};
+use crate::common::{Dice, Project, assert_same, promised};
+use crate::faults::pairs_of_runs_at_once;
 use crate::interruption::{made, started};
 use std::collections::BTreeMap;
 use std::fs;
-use std::process::Stdio;
 
 /// This project after a run, and what the run made.
 fn after_a_run() -> (Project, BTreeMap<String, Vec<u8>>) {
@@ -74,24 +74,14 @@ fn two_runs_of_the_whole_project_at_once_do_not_disturb_each_other() {
     let pairs = promised("Two runs of the whole project at once, in the long tests");
     let (project, wanted) = after_a_run();
     project.run(&["run", "--cache-dir", "second"]).lines();
-    let mut refused = 0;
-    for pair in 0..pairs {
-        let caches = if pair % 2 == 0 { [".signorini"; 2] } else { [".signorini", "second"] };
+    let before = || {
         for cache in [".signorini", "second"] {
             forget(&project, cache, &["tabulate", "diff", "figures", "report"]);
         }
-        let both = caches.map(|cache| {
-            let mut command = project.command(&["run", "--cache-dir", cache]);
-            command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
-        });
-        let both = both.map(|run| Said::from(run.wait_with_output().unwrap()));
-        for said in both.iter().filter(|said| said.code != Some(0)) {
-            assert!(said.refusal().contains("another signorini ("), "{said:?}");
-            refused += 1;
-        }
-        assert!(both.iter().any(|said| said.code == Some(0)), "one of them ran: {both:?}");
+    };
+    let after = || {
         project.run(&["run", "--cache-dir", "second"]).lines();
         completed(&project, &wanted);
-    }
-    eprintln!("{refused} of {pairs} second runs came while the first was at work");
+    };
+    pairs_of_runs_at_once(&project, (&["run"], pairs), before, after);
 }
