@@ -15,7 +15,7 @@ use crate::problem::unsolvable::Unsolvable;
 use crate::saddle::{Pair, Plain};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Domain with f, the conditions on the parts of its boundary and the law where it is in contact, and its nested
 /// discrete problems. The flux can balance f: it has a unique solution.
@@ -25,6 +25,8 @@ pub struct Problem {
     law: Law,
     /// True if the boundary is curved, and the finest mesh a polygon or polyhedron instead.
     is_curved: bool,
+    /// Reason for which the domain with its curves has no solution, if it has none, once it is asked for.
+    refusal_of_curves: OnceLock<Option<Unsolvable>>,
 }
 
 /// Approximation that guaranteed bounds leave out.
@@ -123,14 +125,17 @@ impl Problem {
 
     /// As [`Problem::new`], of a flux that is known to balance f.
     pub(crate) fn checked(levels: impl Levels + 'static, law: Law, is_curved: bool) -> Self {
-        Self { levels: Arc::new(levels), law, is_curved }
+        Self { levels: Arc::new(levels), law, is_curved, refusal_of_curves: OnceLock::new() }
     }
 
     /// Reason for which the domain has no solution with the curves of its boundary in place of the facets of the finest
     /// mesh, by an estimate; none where it has one.
     pub fn refusal_of_curves(&self) -> Option<Unsolvable> {
-        let components = self.levels.components_on_curves();
-        components.into_iter().find_map(|component| component.check(self.law, 0.0).err())
+        let refusal = || {
+            let components = self.levels.components_on_curves();
+            components.into_iter().find_map(|component| component.check(self.law, 0.0).err())
+        };
+        if self.is_curved { *self.refusal_of_curves.get_or_init(refusal) } else { None }
     }
 
     /// Line that the domain has no solution although the polygon or polyhedron of its mesh, which is solved, has one.

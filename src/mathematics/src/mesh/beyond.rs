@@ -22,6 +22,7 @@ pub(crate) struct CurveGain {
 /// Returns the gains at all facets on curves. f is taken at one point of each piece between facet and curve.
 pub(crate) fn curve_gains<const D: usize, const V: usize, F: OnCells<D> + ?Sized>(
     mesh: &Mesh<D, V>,
+    sides: &Sides<V>,
     f: &F,
 ) -> Vec<CurveGain> {
     let edges = mesh.curved_edges();
@@ -29,7 +30,7 @@ pub(crate) fn curve_gains<const D: usize, const V: usize, F: OnCells<D> + ?Sized
         return Vec::new();
     }
     let mut gains = Vec::new();
-    for (number, side) in Sides::new(mesh).of_facets().iter().enumerate() {
+    for (number, side) in sides.of_facets().iter().enumerate() {
         let facet = &mesh.facets()[number];
         let courses = courses(mesh, facet, &edges);
         if courses.iter().all(|course| *course == Course::Straight) {
@@ -136,7 +137,7 @@ mod tests {
             [(BuiltIn::Disc, PI, 2.0 * PI), (BuiltIn::Annulus, 0.75 * PI, 3.0 * PI)]
         {
             let mesh = domain.plane().unwrap();
-            let gains = curve_gains(&mesh, &Source::<2>::constant(1.0));
+            let gains = curve_gains(&mesh, &Sides::new(&mesh), &Source::<2>::constant(1.0));
             let [mut integral, mut boundary] = [mesh.volume(), assemble(&mesh).perimeter()];
             gains.iter().for_each(|gain| integral += gain.integral);
             gains.iter().for_each(|gain| boundary += gain.measure);
@@ -144,7 +145,7 @@ mod tests {
             assert!((boundary / length - 1.0).abs() < 1e-3, "{domain:?} {boundary} {length}");
         }
         let mesh = BuiltIn::Ball.space().unwrap();
-        let gains = curve_gains(&mesh, &Source::<3>::constant(1.0));
+        let gains = curve_gains(&mesh, &Sides::new(&mesh), &Source::<3>::constant(1.0));
         let whole = mesh.volume() + gains.iter().map(|gain| gain.integral).sum::<f64>();
         assert!((whole / (4.0 / 3.0 * PI) - 1.0).abs() < 0.05, "{whole}");
     }

@@ -56,8 +56,13 @@ fn volume_of<const D: usize>(determinant: f64) -> f64 {
 }
 
 /// Rows of the matrix of the map from the reference element.
+#[inline(always)]
 fn edges<const D: usize, const V: usize>(vertices: [[f64; D]; V]) -> [[f64; D]; D] {
-    std::array::from_fn(|k| difference(vertices[k + 1], vertices[0]))
+    let mut edges = [[0.0; D]; D];
+    for (edge, vertex) in edges.iter_mut().zip(&vertices[1..]) {
+        *edge = difference(*vertex, vertices[0]);
+    }
+    edges
 }
 
 /// Returns the determinant of a matrix of two or three rows, and the cofactors of its entries.
@@ -83,8 +88,10 @@ fn cofactors<const D: usize>(rows: [[f64; D]; D]) -> (f64, [[f64; D]; D]) {
 }
 
 /// Difference of two points.
-pub(super) fn difference<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
-    std::array::from_fn(|d| a[d] - b[d])
+#[inline(always)]
+pub(crate) fn difference<const D: usize>(mut a: [f64; D], b: [f64; D]) -> [f64; D] {
+    a.iter_mut().zip(b).for_each(|(a, b)| *a -= b);
+    a
 }
 
 /// Mean of some points.

@@ -59,7 +59,7 @@ pub use errors::mesh_errors;
 pub(crate) use facets::{sides_of, sorted};
 pub use geometry::{Element, centroid, size, volume};
 use geometry::{bounds, longest_side};
-pub(crate) use geometry::{dot, measure};
+pub(crate) use geometry::{difference, dot, measure};
 pub use load::{CellData, MeshLoad, OnCells, mesh_load};
 pub(crate) use load::{CellsBefore, mesh_load_after};
 pub use names::Names;
@@ -252,8 +252,13 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
     }
 
     /// Vertices of a cell.
+    #[inline]
     pub fn vertices(&self, cell: &[u32; V]) -> [[f64; D]; V] {
-        cell.map(|node| self.points[node as usize])
+        let mut vertices = [[0.0; D]; V];
+        for (vertex, &node) in vertices.iter_mut().zip(cell) {
+            *vertex = self.points[node as usize];
+        }
+        vertices
     }
 
     /// Vertices of a facet.

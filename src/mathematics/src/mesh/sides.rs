@@ -100,11 +100,14 @@ impl<const V: usize> Sides<V> {
     }
 
     /// Outflows of a cell through all its sides.
+    #[inline(always)]
     pub(crate) fn outflows(&self, cell: u32, flux: &[f64]) -> [f64; V] {
-        self.numbers(cell).map(|side| match self.leaves(cell, side) {
-            true => flux[side as usize],
-            false => -flux[side as usize],
-        })
+        let mut outflows = [0.0; V];
+        for (outflow, side) in outflows.iter_mut().zip(self.numbers(cell)) {
+            let flux = flux[side as usize];
+            *outflow = if self.leaves(cell, side) { flux } else { -flux };
+        }
+        outflows
     }
 
     /// Sides of the facets of the boundary, in the order of the facets.
@@ -126,31 +129,52 @@ fn side_at<const D: usize, const V: usize>(mesh: &Mesh<D, V>, place: u32) -> [u3
 fn places_in_order<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Vec<u32> {
     // Sorted by the first node through counts, then in small groups.
     let nodes = mesh.points().len();
-    let count = (V * mesh.cells().len() + mesh.facets().len()) as u32;
     let mut starts = vec![0u32; nodes + 1];
-    for place in 0..count {
-        starts[side_at(mesh, place)[0] as usize + 1] += 1;
-    }
+    for_each_first(mesh, |_, first| starts[first as usize + 1] += 1);
     for node in 0..nodes {
         starts[node + 1] += starts[node];
     }
-    let mut places = vec![0; count as usize];
+    let mut places = vec![0; V * mesh.cells().len() + mesh.facets().len()];
     // The start of each node moves to its end, which is the start of the next one.
-    for place in 0..count {
-        let next = &mut starts[side_at(mesh, place)[0] as usize];
+    for_each_first(mesh, |place, first| {
+        let next = &mut starts[first as usize];
         places[*next as usize] = place;
         *next += 1;
-    }
-    let (mut from, mut sides) = (0, Vec::new());
+    });
+    let (mut from, mut keys) = (0, Vec::new());
     for &to in &starts[..nodes] {
         let group = &mut places[from as usize..to as usize];
-        sides.clear();
-        sides.extend(group.iter().map(|&place| (side_at(mesh, place), place)));
-        sides.sort_unstable();
-        group.iter_mut().zip(&sides).for_each(|(place, side)| *place = side.1);
+        keys.clear();
+        for &place in &*group {
+            let others = side_at(mesh, place);
+            let [second, third] = [others[1], if D == 3 { others[D - 1] } else { 0 }];
+            // Second and third node and place in one number, which is compared faster than three.
+            keys.push((u128::from(second) << 64) | (u128::from(third) << 32) | u128::from(place));
+        }
+        keys.sort_unstable();
+        group.iter_mut().zip(&keys).for_each(|(place, key)| *place = *key as u32);
         from = to;
     }
     places
+}
+
+/// Calls a function with the place of each side and its lowest node.
+fn for_each_first<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    mut visit: impl FnMut(u32, u32),
+) {
+    let mut place = 0;
+    for cell in mesh.cells() {
+        for vertex in 0..V {
+            let others = (0..V).filter(|k| *k != vertex).map(|k| cell[k]);
+            visit(place, others.fold(u32::MAX, u32::min));
+            place += 1;
+        }
+    }
+    for facet in mesh.facets() {
+        visit(place, facet.nodes.into_iter().fold(u32::MAX, u32::min));
+        place += 1;
+    }
 }
 
 #[cfg(test)]

@@ -29,6 +29,11 @@ impl FirstCells {
         found
     }
 
+    /// Number of cells around a node.
+    pub(super) fn count(&self, node: u32) -> usize {
+        self.counts[node as usize] as usize
+    }
+
     /// Lowest number of a cell with a node beside those found before; none if these are all.
     ///
     /// A fan has all cells around a node, unless the domain touches itself there: only then all cells are searched.
@@ -38,7 +43,7 @@ impl FirstCells {
         found: &[u32],
         cells: &[[u32; V]],
     ) -> Option<u32> {
-        if found.len() == self.counts[node as usize] as usize {
+        if found.len() == self.count(node) {
             return None;
         }
         let first = self.first[node as usize];

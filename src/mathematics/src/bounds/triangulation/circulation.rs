@@ -3,180 +3,138 @@
 //! There is one around each inner edge at the node; around an inner node their sum is zero. On each cell a circulation
 //! is a constant field, so that the system for their strengths is that of linear elements on the surface of the patch.
 
-use super::cells::{RaviartThomas, difference};
-use super::fan::{Fan, Member};
-use crate::mesh::dot;
+use super::fan::Fan;
+use super::few::FewNumbers;
+use super::tetrahedra::LANES;
+use crate::machine::simd::vectorised;
 
 /// Number of circulations above which they are left out: the flux has the right divergence without them.
 const LARGEST: usize = 400;
-
-/// No circulation.
-const NONE: u32 = u32::MAX;
-
-/// Edge between the node of a fan and another.
-#[derive(Clone, Copy)]
-struct Edge {
-    node: u32,
-    /// Number of the circulation around the edge, or [`NONE`].
-    number: u32,
-}
-
-/// Circulation within one cell: out through one side, in through another.
-#[derive(Clone, Copy)]
-struct Turn<const D: usize> {
-    /// Number of the circulation, or [`NONE`].
-    number: u32,
-    /// Position of the side, in the cell, through which a positive circulation leaves.
-    out: usize,
-    /// Position of the side through which it enters.
-    back: usize,
-    /// Sense: 1 or -1.
-    sense: f64,
-    /// Field of the circulation of strength 1.
-    field: [f64; D],
-}
-
-/// Position of the vertex of this rank among the vertices other than one.
-fn other_vertex(vertex: usize, rank: usize) -> usize {
-    if rank < vertex { rank } else { rank + 1 }
-}
+/// Number of the edges without a circulation: their row of the matrix is not used.
+const NONE: u32 = 0;
+/// Entries of a row that are changed together.
+const ENTRIES: usize = 4;
 
 /// Circulations of the fan of a node, with storage that is used again.
+#[derive(Default)]
 pub(super) struct Circulations {
-    /// Edges at the node.
-    edges: Vec<Edge>,
+    /// Number of the circulation around the edge to each node, from 1 on, or [`NONE`].
+    edges: FewNumbers,
+    /// Numbers of the circulations around the edges to the other vertices of each cell.
+    numbers: Vec<[u32; 3]>,
     /// Number of circulations.
     count: usize,
-    /// Matrix of their products, row by row, as far as the diagonal.
+    /// Entries of a row: the matrix, the right-hand side and what fills the last vector.
+    width: usize,
+    /// Products of the circulations with each other, on and behind the diagonal, row by row; behind those of each row
+    /// minus the product with the flux so far less the gradient of w.
     matrix: Vec<f64>,
-    /// Right-hand side, then strengths.
+    /// Strengths of the circulations.
     strengths: Vec<f64>,
 }
 
 impl Circulations {
-    /// Empty storage.
-    pub(super) fn new() -> Self {
-        Self { edges: Vec::new(), count: 0, matrix: Vec::new(), strengths: Vec::new() }
-    }
-
     /// Adds the circulations to the flux of a fan by which the distance from the gradient of w becomes least.
     pub(super) fn minimise<const D: usize, const V: usize>(&mut self, fan: &mut Fan<'_, D, V>) {
         self.number(fan);
-        if (1..=LARGEST).contains(&self.count) {
-            self.assemble(fan);
-            self.solve();
-            for place in 0..fan.members.len() {
-                for turn in Self::turns(fan, &fan.members[place]) {
-                    if turn.number != NONE {
-                        let strength = turn.sense * self.strengths[turn.number as usize];
-                        fan.members[place].outflows[turn.out] += strength;
-                        fan.members[place].outflows[turn.back] -= strength;
-                    }
-                }
-            }
+        if !(1..=LARGEST).contains(&self.count) {
+            return;
+        }
+        self.assemble(fan);
+        vectorised(|| self.solve());
+        for (place, (member, numbers)) in fan.members.iter_mut().zip(&self.numbers).enumerate() {
+            let sense = fan.blocks[place / LANES].sense(place % LANES);
+            let [a, b, c] = numbers.map(|number| sense * self.strengths[number as usize]);
+            let turned = [c - b, a - c, b - a];
+            member.outflows.iter_mut().zip(turned).for_each(|(outflow, turned)| *outflow += turned);
         }
     }
 
     /// Numbers the circulations.
-    fn number<const D: usize, const V: usize>(&mut self, fan: &mut Fan<'_, D, V>) {
-        self.count = 0;
-        self.edges.clear();
-        self.edges.extend(fan.boundary_nodes().map(|node| Edge { node, number: NONE }));
+    fn number<const D: usize, const V: usize>(&mut self, fan: &Fan<'_, D, V>) {
+        self.numbers.clear();
+        // Each member but the first has one edge at most that those before it have not.
+        self.edges.clear(fan.members.len() + 3);
+        for node in fan.boundary_nodes() {
+            self.edges.number_or(node, NONE);
+        }
         // Without a boundary one of the circulations follows from the others.
-        let mut is_left_out = !fan.is_closed();
-        for member in &mut fan.members {
-            let nodes = fan.mesh.cells()[member.cell as usize];
-            for (slot, node) in nodes.into_iter().enumerate() {
-                if slot == member.vertex {
-                    continue;
-                }
-                // A fan has so few edges that a search is fast.
-                let found = self.edges.iter().find(|edge| edge.node == node);
-                member.numbers[slot] = if let Some(edge) = found {
-                    edge.number
-                } else {
-                    let number = if is_left_out { self.count as u32 } else { NONE };
-                    self.count += usize::from(is_left_out);
-                    is_left_out = true;
-                    self.edges.push(Edge { node, number });
-                    number
-                };
-            }
-        }
-    }
-
-    /// Circulations within a cell.
-    #[inline(always)]
-    fn turns<const D: usize, const V: usize>(
-        fan: &Fan<'_, D, V>,
-        member: &Member<V>,
-    ) -> [Turn<D>; 3] {
-        let nodes = &fan.mesh.cells()[member.cell as usize];
-        let vertices = fan.mesh.vertices(nodes);
-        let cell = &member.data;
-        // The node before the other vertices in their order is an even permutation for even positions of the node.
-        let sense = if member.vertex.is_multiple_of(2) == cell.is_mirrored { -1.0 } else { 1.0 };
-        let scale = sense / (D as f64 * cell.volume);
-        std::array::from_fn(|k| {
-            let [around, out, back] = [k, k + 1, k + 2].map(|k| other_vertex(member.vertex, k % 3));
-            let number = member.numbers[around];
-            let field = difference(vertices[back], vertices[out]).map(|x| scale * x);
-            Turn { number, out, back, sense, field }
-        })
-    }
-
-    /// Forms the matrix, and the right-hand side: minus the products with the flux so far less the gradient of w.
-    fn assemble<const D: usize, const V: usize>(&mut self, fan: &Fan<'_, D, V>) {
-        self.matrix.clear();
-        self.matrix.resize(self.count * self.count, 0.0);
-        self.strengths.clear();
-        self.strengths.resize(self.count, 0.0);
+        let mut next = if fan.is_closed() { NONE } else { 1 };
         for member in &fan.members {
-            let cell = &member.data;
-            let vertices = fan.mesh.vertices(&fan.mesh.cells()[member.cell as usize]);
-            let mut outflows: [f64; V] = std::array::from_fn(|k| member.outflows[k] + cell.work[k]);
-            outflows[member.vertex] = 0.0;
-            let mean = RaviartThomas::new(vertices, cell.volume).mean(outflows);
-            let turns = Self::turns(fan, member);
-            for turn in turns.iter().filter(|turn| turn.number != NONE) {
-                let row = turn.number as usize;
-                self.strengths[row] -= cell.volume * dot(turn.field, mean);
-                for other in turns.iter().filter(|other| other.number <= turn.number) {
-                    let entry = &mut self.matrix[row * self.count + other.number as usize];
-                    *entry += cell.volume * dot(turn.field, other.field);
+            let mut numbers = [NONE; 3];
+            for (number, node) in numbers.iter_mut().zip(member.others) {
+                *number = self.edges.number_or(node, next);
+                next += u32::from(*number == next);
+            }
+            self.numbers.push(numbers);
+        }
+        self.count = next as usize - 1;
+    }
+
+    /// Makes room for the matrix.
+    fn clear(&mut self) {
+        self.width = (self.count + 2).next_multiple_of(ENTRIES);
+        self.matrix.clear();
+        self.matrix.resize((self.count + 1) * self.width, 0.0);
+        self.strengths.clear();
+        self.strengths.resize(self.count + 1, 0.0);
+    }
+
+    /// Forms the matrix and the right-hand side.
+    fn assemble<const D: usize, const V: usize>(&mut self, fan: &mut Fan<'_, D, V>) {
+        self.clear();
+        let cells = fan.members.chunks(LANES).zip(self.numbers.chunks(LANES)).zip(&mut fan.blocks);
+        for ((members, numbers), block) in cells {
+            let mut outflows = [[0.0; LANES]; 3];
+            for (lane, member) in members.iter().enumerate() {
+                (0..3).for_each(|k| outflows[k][lane] = member.outflows[k]);
+            }
+            vectorised(|| block.multiply(&outflows));
+            for (lane, numbers) in numbers.iter().enumerate() {
+                let numbers = numbers.map(|number| number as usize);
+                for k in 0..3 {
+                    let [i, j] = [numbers[(k + 1) % 3], numbers[(k + 2) % 3]];
+                    let product = block.products[k][lane];
+                    // Around the three edges the fields sum to zero.
+                    self.matrix[i * self.width + i] -= product;
+                    self.matrix[j * self.width + j] -= product;
+                    self.matrix[i.min(j) * self.width + i.max(j)] += product;
+                    self.matrix[numbers[k] * self.width + self.count + 1] -= block.loads[k][lane];
                 }
             }
         }
     }
 
-    /// Replaces the right-hand side by the strengths, by Cholesky's factors `L D L^T`.
+    /// Finds the strengths by elimination.
+    #[inline(always)]
     fn solve(&mut self) {
-        let n = self.count;
-        for i in 0..n {
-            for j in 0..=i {
-                let (above, row) = self.matrix.split_at_mut(i * n);
-                let mut sum = row[j];
-                if j < i {
-                    // Entries of the row are those of L times D until the row is complete.
-                    sum -= (0..j).map(|k| row[k] * above[j * n + k]).sum::<f64>();
-                    row[j] = sum;
-                } else {
-                    for k in 0..i {
-                        let factor = row[k] / above[k * n + k];
-                        sum -= row[k] * factor;
-                        row[k] = factor;
+        let (n, width) = (self.count, self.width);
+        for k in 1..n + 1 {
+            let (above, below) = self.matrix.split_at_mut((k + 1) * width);
+            let row = &mut above[k * width..];
+            // A pivot that is lost to rounding leaves out the circulation.
+            let inverse = if row[k] > 0.0 { 1.0 / row[k] } else { 0.0 };
+            row[k] = inverse;
+            for (later, other) in below.chunks_exact_mut(width).enumerate() {
+                let i = k + 1 + later;
+                let factor = inverse * row[i];
+                if factor != 0.0 {
+                    let from = i / ENTRIES * ENTRIES;
+                    let entries = other[from..].as_chunks_mut::<ENTRIES>().0;
+                    let of_row = row[from..].as_chunks::<ENTRIES>().0;
+                    for (entries, of_row) in entries.iter_mut().zip(of_row) {
+                        for e in 0..ENTRIES {
+                            entries[e] -= factor * of_row[e];
+                        }
                     }
-                    // A pivot that is lost to rounding leaves out the circulation.
-                    row[i] = if sum > 0.0 { sum } else { f64::INFINITY };
                 }
             }
-            let row = &self.matrix[i * n..i * n + i];
-            let (done, rest) = self.strengths.split_at_mut(i);
-            rest[0] -= row.iter().zip(done).map(|(factor, x)| factor * *x).sum::<f64>();
         }
-        for i in (0..n).rev() {
-            let below: f64 = (i + 1..n).map(|k| self.matrix[k * n + i] * self.strengths[k]).sum();
-            self.strengths[i] = self.strengths[i] / self.matrix[i * n + i] - below;
+        for k in (1..n + 1).rev() {
+            let row = &self.matrix[k * width..];
+            let (done, found) = self.strengths.split_at_mut(k + 1);
+            let later = row[k + 1..].iter().zip(found).map(|(entry, x)| entry * *x).sum::<f64>();
+            done[k] = row[k] * (row[n + 1] - later);
         }
     }
 }
@@ -187,12 +145,15 @@ mod tests {
 
     #[test]
     fn the_factors_solve_a_system() {
-        let mut system = Circulations::new();
-        system.count = 3;
-        system.matrix = vec![4.0, 0.0, 0.0, 1.0, 3.0, 0.0, -1.0, 0.5, 2.0];
-        let solution = [1.0, -2.0, 3.0];
-        system.strengths = vec![4.0 - 2.0 - 3.0, 1.0 - 6.0 + 1.5, -1.0 - 1.0 + 6.0];
+        let mut system = Circulations { count: 3, ..Circulations::default() };
+        system.clear();
+        let rows =
+            [[4.0, 1.0, -1.0, -1.0], [f64::NAN, 3.0, 0.5, -3.5], [f64::NAN, f64::NAN, 2.0, 4.0]];
+        for (row, place) in rows.iter().zip(1..) {
+            system.matrix[place * system.width + 1..][..4].copy_from_slice(row);
+        }
         system.solve();
+        let solution = [0.0, 1.0, -2.0, 3.0];
         assert!(system.strengths.iter().zip(solution).all(|(x, y)| (x - y).abs() < 1e-14));
     }
 }

@@ -2,23 +2,28 @@
 //! 2008). In the plane it is that of a [ring](super::ring).
 
 use super::SideOutflow;
-use super::cells::{Cell, Cells};
+use super::cells::Cells;
+use super::few::FewNumbers;
 use super::reaction::OpenNode;
-use crate::mesh::{Condition, Element, Facet, Mesh, Neighbour, Sides, measure};
+use super::tetrahedra::{Block, LANES};
+use crate::machine::simd::vectorised;
+use crate::mesh::{Condition, Facet, Mesh, Neighbour, Sides, difference, measure};
 
-/// Cell of a fan.
+/// Cell of a fan: the node and, in the order of the cell, three others a, b and c.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Member<const V: usize> {
+pub(super) struct Member {
     /// Number of the cell.
-    pub cell: u32,
-    /// Cell.
-    pub data: Cell<V>,
+    cell: u32,
     /// Position of the node among the vertices.
-    pub vertex: usize,
-    /// Outflows through the sides; none through the side opposite to the node.
-    pub outflows: [f64; V],
-    /// In space, number of the circulation around the edge to each other vertex.
-    pub numbers: [u32; V],
+    vertex: usize,
+    /// Nodes a, b and c.
+    pub others: [u32; 3],
+    /// Sides opposite to a, b and c.
+    sides: [u32; 3],
+    /// True for the sides through which fluxes are counted out of this cell.
+    leaves: [bool; 3],
+    /// Outflows through these sides; there is none through the side opposite to the node.
+    pub outflows: [f64; 3],
     /// Sum that the outflows must have.
     wanted: f64,
     /// Way to a cell nearer to the first one.
@@ -26,20 +31,20 @@ pub(super) struct Member<const V: usize> {
 }
 
 /// Way from a cell of a fan to the cell from which the search came.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Parent {
     /// Position of that cell among the members.
     member: usize,
-    /// Position of the common side among the sides of the cell.
-    slot: usize,
     /// Position of the common side among the sides of that cell.
     from: usize,
+    /// Position of the common side among the sides of the cell.
+    slot: usize,
 }
 
 /// Side of a fan on the boundary, at the node.
 #[derive(Clone, Copy, Debug)]
 struct FanOutlet {
-    /// Position of the cell among the members.
+    /// Position of its cell among the members.
     member: usize,
     /// Position of the side among the sides of the cell.
     slot: usize,
@@ -51,72 +56,117 @@ struct FanOutlet {
 /// touches itself there.
 pub(super) struct Fan<'a, const D: usize, const V: usize> {
     pub mesh: &'a Mesh<D, V>,
-    pub sides: &'a Sides<V>,
+    sides: &'a Sides<V>,
     cells: Cells<'a, D, V>,
-    pub members: Vec<Member<V>>,
+    pub members: Vec<Member>,
+    /// Shapes of the members.
+    pub blocks: Vec<Block>,
     outlets: Vec<FanOutlet>,
     /// Node.
     node: u32,
     /// Cells found around the node, in the present fan and in others.
     pub found: Vec<u32>,
+    /// Positions of these cells in the list.
+    places: FewNumbers,
 }
 
 impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
     /// Empty fan.
     pub(super) fn new(cells: Cells<'a, D, V>, sides: &'a Sides<V>) -> Self {
-        let (members, outlets, found) = (Vec::new(), Vec::new(), Vec::new());
-        Self { mesh: cells.mesh, sides, cells, members, outlets, node: u32::MAX, found }
+        let (members, blocks, outlets) = (Vec::new(), Vec::new(), Vec::new());
+        let (found, places) = (Vec::new(), FewNumbers::default());
+        Self {
+            mesh: cells.mesh,
+            sides,
+            cells,
+            members,
+            blocks,
+            outlets,
+            node: u32::MAX,
+            found,
+            places,
+        }
     }
 
-    /// Forgets all fans, and takes another node.
-    pub(super) fn begin(&mut self, node: u32) {
+    /// Forgets all fans, and takes another node, with so many cells.
+    pub(super) fn begin(&mut self, node: u32, cells: usize) {
         self.node = node;
         self.found.clear();
+        self.places.clear(cells);
     }
 
     /// Replaces the fan by the one of a cell around the node.
     pub(super) fn find(&mut self, cell: u32) {
         self.members.clear();
         self.outlets.clear();
-        self.push(cell, Parent { member: 0, slot: 0, from: 0 });
+        self.places.number_or(cell, self.found.len() as u32);
+        self.push(cell, u32::MAX, Parent::default());
         let mut place = 0;
-        while let Some(&Member { cell, vertex, .. }) = self.members.get(place) {
-            for (slot, side) in self.sides.numbers(cell).into_iter().enumerate() {
-                if slot == vertex {
+        while let Some(&Member { cell, sides, parent, .. }) = self.members.get(place) {
+            for (slot, side) in sides.into_iter().enumerate() {
+                if place > 0 && slot == parent.slot {
                     continue;
                 }
                 match self.sides.across(cell, side) {
                     Neighbour::Facet(facet) => {
+                        self.members[place].leaves[slot] = true;
                         self.outlets.push(FanOutlet { member: place, slot, facet });
                     }
-                    Neighbour::Cell(next) if !self.found.contains(&next) => {
-                        let back = self.sides.slot(next, side);
-                        let parent = Parent { member: place, slot: back, from: slot };
-                        self.push(next, parent);
+                    Neighbour::Cell(next) => {
+                        self.members[place].leaves[slot] = cell < next;
+                        let new = self.found.len() as u32;
+                        if self.places.number_or(next, new) == new {
+                            self.push(next, side, Parent { member: place, from: slot, slot: 0 });
+                        }
                     }
-                    Neighbour::Cell(_) => (),
                 }
             }
             place += 1;
         }
     }
 
-    fn push(&mut self, cell: u32, parent: Parent) {
+    /// Adds a cell that was reached through a side.
+    fn push(&mut self, cell: u32, side: u32, parent: Parent) {
         self.found.push(cell);
-        let nodes = &self.mesh.cells()[cell as usize];
+        let (nodes, numbers) = (&self.mesh.cells()[cell as usize], self.sides.numbers(cell));
         let vertex = nodes.iter().position(|&node| node == self.node);
         let vertex = vertex.expect("sides of a fan have the node");
-        let data = self.cells.cell(cell);
-        let wanted = data.work[vertex] - data.load[vertex];
+        let (mut others, mut sides, mut slot) = ([0; 3], [0; 3], 0);
+        for rank in 0..3 {
+            let k = if rank < vertex { rank } else { rank + 1 };
+            (others[rank], sides[rank]) = (nodes[k], numbers[k]);
+            slot = if sides[rank] == side { rank } else { slot };
+        }
+        let mut leaves = [false; 3];
+        leaves[slot] = self.members.get(parent.member).is_some_and(|before| cell < before.cell);
         self.members.push(Member {
             cell,
-            data,
             vertex,
-            outflows: [0.0; V],
-            numbers: [0; V],
-            wanted,
-            parent,
+            others,
+            sides,
+            leaves,
+            outflows: [0.0; 3],
+            wanted: 0.0,
+            parent: Parent { slot, ..parent },
         });
+    }
+
+    /// Measures the cells, side by side.
+    pub(super) fn measure_cells(&mut self) {
+        let (points, w) = (self.mesh.points(), self.cells.w);
+        let (origin, value) = (points[self.node as usize], w[self.node as usize]);
+        self.blocks.clear();
+        for members in self.members.chunks(LANES) {
+            let mut block = Block::default();
+            for (lane, member) in members.iter().enumerate() {
+                for (k, other) in member.others.into_iter().enumerate() {
+                    let edge = difference(points[other as usize], origin);
+                    block.put(lane, k, &edge, w[other as usize] - value);
+                }
+            }
+            vectorised(|| block.measure());
+            self.blocks.push(block);
+        }
     }
 
     /// True if no side of the fan with the node is on the boundary.
@@ -138,29 +188,33 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
     /// from all cells in proportion to their volumes: then the outflows wanted from the cells and those through the
     /// boundary have the same sum.
     pub(super) fn prescribe(&mut self) {
-        let reaction: f64 = self.members.iter().map(|member| member.wanted).sum();
-        // Each of the D nodes of a facet has the same part of the facet.
-        let part = self.measure(Condition::Contact) / D as f64;
-        let (w, fixed) = (self.cells.w[self.node as usize], self.measure(Condition::Fixed));
-        let node = OpenNode { w, stiffness: self.stiffness(), part, fixed };
-        let [contact, through_fixed] = node.let_out(self.cells.law, reaction);
-        self.let_out(Condition::Contact, contact);
-        self.let_out(Condition::Fixed, through_fixed);
-        let kept = contact + through_fixed;
-        let volume: f64 = self.members.iter().map(|member| member.data.volume).sum();
-        let density = (reaction - kept) / volume;
-        for member in &mut self.members {
-            member.wanted -= density * member.data.volume;
+        let (mut reaction, mut stiffness, mut whole) = (0.0, 0.0, 0.0);
+        for (members, block) in self.members.chunks_mut(LANES).zip(&self.blocks) {
+            for (lane, member) in members.iter_mut().enumerate() {
+                let load = self.cells.load(member.cell, member.vertex, block.volume[lane]);
+                member.wanted = -(0..3).map(|k| block.work[k][lane]).sum::<f64>() - load;
+                reaction += member.wanted;
+                stiffness += block.stiffness[lane];
+                whole += block.volume[lane];
+            }
         }
-    }
-
-    /// Square of the norm of the gradient of the node's hat function.
-    fn stiffness(&self) -> f64 {
-        let members = self.members.iter().map(|&Member { cell, vertex, .. }| {
-            let vertices = self.mesh.vertices(&self.mesh.cells()[cell as usize]);
-            Element::<D, V>::new(vertices).stiffness(vertex, vertex)
-        });
-        members.sum()
+        let mut kept = 0.0;
+        if !self.is_closed() {
+            // Each of the D nodes of a facet has the same part of the facet.
+            let part = self.measure(Condition::Contact) / D as f64;
+            let (w, fixed) = (self.cells.w[self.node as usize], self.measure(Condition::Fixed));
+            let node = OpenNode { w, stiffness, part, fixed };
+            let [contact, through_fixed] = node.let_out(self.cells.law, reaction);
+            self.let_out(Condition::Contact, contact);
+            self.let_out(Condition::Fixed, through_fixed);
+            kept = contact + through_fixed;
+        }
+        let density = (reaction - kept) / whole;
+        for (members, block) in self.members.chunks_mut(LANES).zip(&self.blocks) {
+            for (member, volume) in members.iter_mut().zip(block.volume) {
+                member.wanted -= density * volume;
+            }
+        }
     }
 
     /// Measure of the facets at the node with this condition.
@@ -196,10 +250,10 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
     /// Lists the outflows through all sides.
     pub(super) fn add_to(&self, outflows: &mut Vec<SideOutflow>) {
         for member in &self.members {
-            for (side, outflow) in self.sides.numbers(member.cell).into_iter().zip(member.outflows)
-            {
+            for k in 0..3 {
                 // The other cell of the side has the opposite outflow.
-                if self.sides.leaves(member.cell, side) {
+                if member.leaves[k] {
+                    let (side, outflow) = (member.sides[k], member.outflows[k]);
                     outflows.push(SideOutflow { side, outflow });
                 }
             }

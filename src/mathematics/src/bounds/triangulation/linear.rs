@@ -1,8 +1,7 @@
 //! Fields that are linear on each cell, with fluxes that are linear along the sides: those of Brezzi, Douglas and
 //! Marini of lowest order (Numer. Math. 47, 1985).
 
-use super::cells::difference;
-use crate::mesh::{Sides, dot};
+use crate::mesh::{Sides, difference, dot};
 
 /// Fluxes through a side, one for each of its nodes by increasing numbers: what would leave if the density were that at
 /// the node everywhere. Between the nodes the density is linear, and the mean of the fluxes is the flux.

@@ -7,14 +7,15 @@
 //! it alone.
 
 use super::BoundedProblem;
-use super::cells::{COST, gradient};
-use crate::machine::threads::{among_threads, items_per_task, map_range};
+use super::cells::{COST, at_nodes, gradient};
+use super::linear::product;
+use crate::machine::threads::{among_threads, for_runs, items_per_task, map_range};
 use crate::mesh::{BoundarySide, Condition, Edges, Element, Facet, Mesh, Sides, dot};
 
 /// Rounding errors of a residual, in roundings of its terms.
 const ROUNDINGS: f64 = 64.0;
 /// Number of cells between which their parts are added to the bubbles.
-const RUN: usize = 1 << 14;
+const RUN: usize = 1 << 12;
 /// Most edges of a cell.
 const MOST_EDGES: usize = 6;
 
@@ -78,29 +79,9 @@ impl<const V: usize> CellEdges<'_, V> {
     }
 }
 
-/// Bubbles on the edges of a cell, by their ends among the vertices.
-struct CellBubbles<const D: usize, const V: usize> {
-    element: Element<D, V>,
-}
-
-impl<const D: usize, const V: usize> CellBubbles<D, V> {
-    /// Pairs of vertices, at most [`MOST_EDGES`].
-    fn edges() -> impl Iterator<Item = [usize; 2]> {
-        (0..V).flat_map(|j| (0..j).map(move |i| [i, j]))
-    }
-
-    /// Integral of the product of the gradients of two bubbles.
-    fn product(&self, one: [usize; 2], two: [usize; 2]) -> f64 {
-        let mut sum = 0.0;
-        for k in 0..2 {
-            for l in 0..2 {
-                // The integral of the product of two hat functions is twice as large if they are the same.
-                let hats = if one[k] == two[l] { 2.0 } else { 1.0 };
-                sum += hats * self.element.stiffness(one[1 - k], two[1 - l]);
-            }
-        }
-        16.0 * sum / (V * (V + 1)) as f64
-    }
+/// Pairs of vertices of a cell, at most [`MOST_EDGES`].
+fn pairs<const V: usize>() -> impl Iterator<Item = [usize; 2]> {
+    (0..V).flat_map(|j| (0..j).map(move |i| [i, j]))
 }
 
 /// Returns a lower bound of `|grad (u - w)|` for a nodal vector w in K.
@@ -120,7 +101,8 @@ pub(super) fn lower<const D: usize, const V: usize>(
             product += bubble.size() * bubble.residual;
             rounding += bubble.size().abs() * bubble.magnitude;
         }
-        let square = square(mesh, &edges, &bubbles);
+        let sizes: Vec<f64> = bubbles.into_iter().map(EdgeBubble::size).collect();
+        let square = square(mesh, &edges, &sizes);
         let product = product - ROUNDINGS * f64::EPSILON * rounding;
         // Sums of as many terms as there are cells.
         let sums = 1.0 - f64::EPSILON * 16.0 * mesh.cells().len() as f64;
@@ -136,32 +118,33 @@ fn bubbles<const D: usize, const V: usize>(
     w: &[f64],
 ) -> Vec<EdgeBubble> {
     let &BoundedProblem { mesh, sides, f, .. } = problem;
-    let of_cell = |number: usize| {
+    let of_cell = |number: usize, parts: &mut [EdgeBubble; MOST_EDGES]| {
         let nodes = &mesh.cells()[number];
         let element = Element::new(mesh.vertices(nodes));
-        let slope = gradient(&element, nodes.map(|node| w[node as usize]));
+        let slope = gradient(&element, at_nodes(nodes, w));
         // The mean of f is not enough where f is not constant.
         let is_whole = f.cells.deviation.as_ref().is_none_or(|deviation| deviation[number] == 0.0);
         let load = 4.0 * f.cells.mean[number] * element.volume / (V * (V + 1)) as f64;
-        let cell = CellBubbles { element };
-        let mut parts = [EdgeBubble::default(); MOST_EDGES];
-        for (part, [i, j]) in parts.iter_mut().zip(CellBubbles::<D, V>::edges()) {
-            let [p, q] = [i, j].map(|k| dot(slope, cell.element.gradients[k]));
-            let work = 4.0 * cell.element.volume * (p + q) / V as f64;
-            let stiffness = if is_whole { cell.product([i, j], [i, j]) } else { f64::INFINITY };
+        for (part, [i, j]) in parts.iter_mut().zip(pairs::<V>()) {
+            let [p, q] = [element.gradients[i], element.gradients[j]];
+            let work = 4.0 * element.volume * (dot(slope, p) + dot(slope, q)) / V as f64;
+            let square = 2.0 * (dot(p, p) + dot(q, q) + dot(p, q));
+            let stiffness = 16.0 * element.volume * square / (V * (V + 1)) as f64;
+            let stiffness = if is_whole { stiffness } else { f64::INFINITY };
             let (residual, magnitude) = (load - work, load.abs() + work.abs());
             *part = EdgeBubble { residual, stiffness, magnitude };
         }
-        parts
     };
     let mut bubbles = vec![EdgeBubble::default(); edges.len()];
-    for start in (0..mesh.cells().len()).step_by(RUN) {
-        let run = start..mesh.cells().len().min(start + RUN);
-        let each = items_per_task(run.len(), COST);
-        let parts = map_range(run, each, of_cell);
-        for (number, parts) in (start..).zip(parts) {
-            let nodes = &mesh.cells()[number];
-            for (part, ends) in parts.into_iter().zip(CellBubbles::<D, V>::edges()) {
+    let mut parts = vec![[EdgeBubble::default(); MOST_EDGES]; RUN.min(mesh.cells().len())];
+    let each = items_per_task(parts.len(), COST);
+    for (start, cells) in (0..).step_by(RUN).zip(mesh.cells().chunks(RUN)) {
+        let parts = &mut parts[..cells.len()];
+        for_runs(parts, each, &|run, parts| {
+            (start + run * each..).zip(parts).for_each(|(number, parts)| of_cell(number, parts));
+        });
+        for ((number, nodes), parts) in (start..).zip(cells).zip(&*parts) {
+            for (part, ends) in parts.iter().zip(pairs::<V>()) {
                 let bubble = &mut bubbles[edges.number(number, nodes, ends)];
                 bubble.residual += part.residual;
                 bubble.stiffness += part.stiffness;
@@ -177,28 +160,25 @@ fn bubbles<const D: usize, const V: usize>(
     bubbles
 }
 
-/// Square of the norm of the gradient of the sum of the bubbles.
+/// Square of the norm of the gradient of the sum of bubbles with these sizes.
 fn square<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     edges: &CellEdges<'_, V>,
-    bubbles: &[EdgeBubble],
+    sizes: &[f64],
 ) -> f64 {
     let of_cell = |number: usize| {
         let nodes = &mesh.cells()[number];
-        let cell = CellBubbles { element: Element::new(mesh.vertices(nodes)) };
-        let mut all = [([0; 2], 0.0); MOST_EDGES];
-        for (of_edge, ends) in all.iter_mut().zip(CellBubbles::<D, V>::edges()) {
-            *of_edge = (ends, bubbles[edges.number(number, nodes, ends)].size());
-        }
-        let all = &all[..V * (V - 1) / 2];
-        let mut square = 0.0;
-        for (k, (one, of_one)) in all.iter().enumerate() {
-            square += of_one * of_one * cell.product(*one, *one);
-            for (two, of_two) in &all[..k] {
-                square += 2.0 * of_one * of_two * cell.product(*one, *two);
+        let Element { volume, gradients, .. } = Element::new(mesh.vertices(nodes));
+        // The gradient of 4 p q is 4 grad q where p is 1.
+        let mut slopes = [[0.0; D]; V];
+        for [i, j] in pairs::<V>() {
+            let size = 4.0 * sizes[edges.number(number, nodes, [i, j])];
+            for d in 0..D {
+                slopes[i][d] += size * gradients[j][d];
+                slopes[j][d] += size * gradients[i][d];
             }
         }
-        square
+        product(volume, &slopes, &slopes)
     };
     let runs = 0..mesh.cells().len().div_ceil(RUN);
     let of_run = |run: usize| -> f64 {
@@ -212,39 +192,33 @@ fn square<const D: usize, const V: usize>(
 mod tests {
     use super::*;
     use crate::mesh::{BuiltIn, uniform_cube};
-    use std::array::from_fn;
 
-    /// Square of the norm of the gradient of a sum of bubbles, by the values at the vertices and their mean: gradients
-    /// are linear.
-    fn by_points<const D: usize, const V: usize>(
-        mesh: &Mesh<D, V>,
-        edges: &CellEdges<'_, V>,
-        bubbles: &[EdgeBubble],
+    /// Integral of the product of the gradients of two bubbles on a cell.
+    fn product<const D: usize, const V: usize>(
+        element: &Element<D, V>,
+        one: [usize; 2],
+        two: [usize; 2],
     ) -> f64 {
         let mut sum = 0.0;
-        for (number, nodes) in mesh.cells().iter().enumerate() {
-            let element = Element::new(mesh.vertices(nodes));
-            let mut slopes = [[0.0; D]; V];
-            for [i, j] in CellBubbles::<D, V>::edges() {
-                let size = 4.0 * bubbles[edges.number(number, nodes, [i, j])].size();
-                for (at, slope) in [(i, element.gradients[j]), (j, element.gradients[i])] {
-                    slopes[at].iter_mut().zip(slope).for_each(|(sum, x)| *sum += size * x);
-                }
-            }
-            let mean = from_fn(|d| slopes.iter().map(|slope| slope[d]).sum::<f64>());
-            let squares = slopes.iter().map(|slope| dot(*slope, *slope)).sum::<f64>();
-            sum += element.volume * (squares + dot::<D>(mean, mean)) / (V * (V + 1)) as f64;
+        for (k, l) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            // The integral of the product of two hat functions is twice as large if they are the same.
+            let hats = if one[k] == two[l] { 2.0 } else { 1.0 };
+            sum += hats * element.stiffness(one[1 - k], two[1 - l]);
         }
-        sum
+        16.0 * sum / (V * (V + 1)) as f64
     }
 
     fn check<const D: usize, const V: usize>(mesh: &Mesh<D, V>, edges: &CellEdges<'_, V>) {
-        let mut bubbles = Vec::new();
-        for edge in 0..edges.len() {
-            let residual = libm::sin(78.233 * edge as f64);
-            bubbles.push(EdgeBubble { residual, stiffness: 1.0, magnitude: 0.0 });
+        let sizes: Vec<_> = (0..edges.len()).map(|edge| libm::sin(78.233 * edge as f64)).collect();
+        let mut expected = 0.0;
+        for (number, nodes) in mesh.cells().iter().enumerate() {
+            let element = Element::new(mesh.vertices(nodes));
+            for (one, two) in pairs::<V>().flat_map(|one| pairs::<V>().map(move |two| (one, two))) {
+                let [p, q] = [one, two].map(|ends| sizes[edges.number(number, nodes, ends)]);
+                expected += p * q * product(&element, one, two);
+            }
         }
-        let [found, expected] = [square(mesh, edges, &bubbles), by_points(mesh, edges, &bubbles)];
+        let found = square(mesh, edges, &sizes);
         assert!((found - expected).abs() < 1e-12 * expected, "{found} {expected}");
     }
 

@@ -52,6 +52,7 @@ mod cells;
 mod circulation;
 mod curve;
 mod fan;
+mod few;
 mod forest;
 mod limits;
 mod linear;
@@ -63,6 +64,8 @@ mod stream;
 mod sums;
 #[cfg(test)]
 mod tests;
+mod tetrahedra;
+mod triangles;
 mod vary;
 
 use super::boundary::Slips;
@@ -86,6 +89,7 @@ use std::borrow::Cow;
 use std::sync::OnceLock;
 use stream::circulate;
 use sums::{Summands, Totals};
+use triangles::{Triangle, triangles};
 use vary::vary;
 
 /// Discrete problem on a mesh, as far as bounds are concerned.
@@ -286,20 +290,17 @@ fn equilibrated<const D: usize, const V: usize>(
     network: &Network,
     forest: &OnceLock<CellForest>,
 ) -> Result<Vec<SideFlux<D>>, NoBound> {
+    let triangles = triangles(cells.mesh);
     let (mut flux, forest) = join(
         || {
-            let mut flux = of_patches(cells, sides);
-            if D == 2 {
-                circulate(cells, sides, network, &mut flux);
-            }
+            let mut flux = of_patches(cells, sides, &triangles);
+            circulate(cells, sides, &triangles, network, &mut flux);
             flux
         },
         || forest.get_or_init(|| CellForest::new(sides, cells.mesh.cells().len())),
     );
     balance(cells, sides, forest, &mut flux)?;
-    let mut flux: Vec<_> = flux.into_iter().map(|flux| [flux; D]).collect();
-    vary(cells, sides, &mut flux);
-    Ok(flux)
+    Ok(vary(cells, sides, &triangles, &flux))
 }
 
 /// Nodes whose patches one thread computes before their fluxes are added.
@@ -324,9 +325,9 @@ struct Patches<'a, const D: usize, const V: usize> {
 }
 
 impl<'a, const D: usize, const V: usize> Patches<'a, D, V> {
-    fn new(cells: Cells<'a, D, V>, sides: &'a Sides<V>) -> Self {
-        let (ring, fan) = (Ring::new(cells, sides), Fan::new(cells, sides));
-        Self { ring, fan, circulations: Circulations::new() }
+    fn new(cells: Cells<'a, D, V>, sides: &'a Sides<V>, triangles: &'a [Triangle]) -> Self {
+        let (ring, fan) = (Ring::new(cells, sides, triangles), Fan::new(cells, sides));
+        Self { ring, fan, circulations: Circulations::default() }
     }
 
     /// Adds the outflows of the patch of a node to a list.
@@ -341,9 +342,10 @@ impl<'a, const D: usize, const V: usize> Patches<'a, D, V> {
                 ring.add_to(outflows);
             }
         } else {
-            fan.begin(node);
+            fan.begin(node, around.count(node));
             while let Some(cell) = around.next(node, &fan.found, all) {
                 fan.find(cell);
+                fan.measure_cells();
                 fan.prescribe();
                 fan.carry();
                 circulations.minimise(fan);
@@ -357,6 +359,7 @@ impl<'a, const D: usize, const V: usize> Patches<'a, D, V> {
 fn of_patches<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
+    triangles: &[Triangle],
 ) -> Vec<f64> {
     let around = FirstCells::new(cells.w.len(), cells.mesh.cells());
     let mut flux = vec![0.0; sides.len()];
@@ -366,7 +369,7 @@ fn of_patches<const D: usize, const V: usize>(
         let parts = map_with_room(
             0..runs.len(),
             each,
-            || Patches::new(*cells, sides),
+            || Patches::new(*cells, sides, triangles),
             |patches, run| {
                 let mut outflows = Vec::with_capacity(8 * RUN);
                 runs[run].iter().for_each(|&node| patches.add(node, &around, &mut outflows));

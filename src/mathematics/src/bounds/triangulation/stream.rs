@@ -5,9 +5,10 @@
 //! psi with the least norm of sigma solves a problem with the stiffness matrix. By the identity the norm of sigma is
 //! all of the flux on which the bounds depend, whatever w is.
 
-use super::cells::{Cells, RaviartThomas};
+use super::cells::Cells;
+use super::triangles::Triangle;
 use crate::discrete::network::Network;
-use crate::mesh::{BoundarySide, Condition, Element, Sides};
+use crate::mesh::{BoundarySide, Condition, Sides};
 
 /// Bounds of psi at a node of the boundary by a facet in contact, relative to psi at the other end.
 #[derive(Clone, Copy)]
@@ -42,37 +43,29 @@ struct Stream {
 }
 
 /// Lowers the norm of a flux on a mesh in the plane by circulations around all nodes. The outflow of each cell stays,
-/// and the law allows the outflows through the boundary in contact.
+/// and the law allows the outflows through the boundary in contact. In space the flux stays as it is.
 pub(super) fn circulate<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
+    triangles: &[Triangle],
     network: &Network,
     flux: &mut [f64],
 ) {
+    if D != 2 {
+        return;
+    }
     let mut stream = Stream::new(cells, sides, flux);
-    let load = load_of_flux(cells, sides, flux);
+    // Minus the products of the flux with the fields of the hat functions.
+    let mut load = vec![0.0; cells.w.len()];
+    for ((number, nodes), triangle) in (0..).zip(cells.mesh.cells()).zip(triangles) {
+        let outflows = sides.outflows(number, flux);
+        for k in 0..3 {
+            load[nodes[k] as usize] -= triangle.turn(k, [outflows[0], outflows[1], outflows[2]]);
+        }
+    }
     // More sweeps of Gauss and Seidel change the bounds by next to nothing.
     (0..load.len()).for_each(|node| stream.relax(node, network, &load));
     stream.add_to(cells, sides, flux);
-}
-
-/// Minus the products of a flux with the fields of the hat functions.
-fn load_of_flux<const D: usize, const V: usize>(
-    cells: &Cells<'_, D, V>,
-    sides: &Sides<V>,
-    flux: &[f64],
-) -> Vec<f64> {
-    let mut load = vec![0.0; cells.w.len()];
-    for (number, cell) in cells.mesh.cells().iter().enumerate() {
-        let vertices = cells.mesh.vertices(cell);
-        let element = Element::new(vertices);
-        let outflows = sides.outflows(number as u32, flux);
-        let mean = RaviartThomas::new(vertices, element.volume).mean(outflows);
-        for (&node, slope) in cell.iter().zip(element.gradients) {
-            load[node as usize] -= element.volume * (slope[1] * mean[0] - slope[0] * mean[1]);
-        }
-    }
-    load
 }
 
 impl Stream {

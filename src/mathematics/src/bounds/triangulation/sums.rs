@@ -1,11 +1,11 @@
 //! Sums over cells and facets: energies of w and of the flux, and the distance between them.
 
-use super::cells::gradient;
+use super::cells::{at_nodes, gradient};
 use super::linear::{SideFlux, at_vertices, largest_square, outflows, product};
 use crate::bounds::boundary::{PartLaw, Slips, mean_product};
 use crate::machine::threads::in_tasks;
 use crate::mesh::{
-    BoundarySide, Condition, Element, Mesh, MeshLoad, Sides, dot, measure, size, sorted,
+    BoundarySide, Condition, Element, Mesh, MeshLoad, Sides, difference, dot, measure, size, sorted,
 };
 use crate::problem::law::Law;
 use rayon::prelude::*;
@@ -153,16 +153,14 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
         let vertices = self.mesh.vertices(nodes);
         let element = Element::new(vertices);
         let volume = element.volume;
-        let w = nodes.map(|node| self.w[node as usize]);
+        let w = at_nodes(nodes, self.w);
         let slope = gradient(&element, w);
         let outflows = outflows(self.sides, cell as u32, nodes, self.flux);
-        let mut differences = outflows;
-        for (of_side, gradient) in differences.iter_mut().zip(element.gradients) {
-            let of_slope = D as f64 * volume * dot(slope, gradient);
-            of_side.iter_mut().for_each(|outflow| *outflow += of_slope);
+        let sigma = at_vertices(&vertices, volume, &outflows);
+        let mut difference = sigma;
+        for value in &mut difference {
+            (0..D).for_each(|d| value[d] -= slope[d]);
         }
-        let [sigma, difference] =
-            [outflows, differences].map(|outflows| at_vertices(&vertices, volume, &outflows));
         let mean = self.f.cells.mean[cell];
         let deviation = self.f.cells.deviation.as_ref().map_or(0.0, |all| all[cell]);
         // Poincaré's constant on a convex cell is the diameter over pi.
@@ -194,11 +192,11 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
 
     /// `|grad (y - w)|^2` in a cell.
     fn projection(&self, nodes: &[u32; V], element: &Element<D, V>, w: [f64; V]) -> f64 {
-        let y = nodes.map(|node| self.y[node as usize]);
+        let y = at_nodes(nodes, self.y);
         if y == w {
             return 0.0;
         }
-        let moved = element.gradient(std::array::from_fn(|k| y[k] - w[k]));
+        let moved = element.gradient(difference(y, w));
         element.volume * dot(moved, moved)
     }
 

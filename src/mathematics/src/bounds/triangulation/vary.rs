@@ -6,79 +6,69 @@
 //! can be any linear field then.
 
 use super::cells::Cells;
-use super::linear::{SideFlux, at_vertices, outflows, product};
-use crate::machine::threads::{items_per_task, map_range};
+use super::linear::{SideFlux, product};
+use super::triangles::Triangle;
 use crate::mesh::{BoundarySide, Element, Neighbour, Sides};
 
-/// Numbers whose work takes as long as that on a cell.
-const COST: usize = 32;
-/// Number of cells between which their parts are added to the sides.
-const RUN: usize = 1 << 14;
-
-/// Sum of bubbles.
-struct Bubbles<'a, const D: usize, const V: usize> {
+/// Sum of bubbles. Products of fields are 3/8 of what they are.
+struct Bubbles<'a, const V: usize> {
     sides: &'a Sides<V>,
+    triangles: &'a [Triangle],
     /// Factor of the bubble of each side.
     psi: Vec<f64>,
-    /// Minus the products of the flux with the fields of the bubbles.
-    load: Vec<f64>,
-    /// Minus the products of the gradients of the hat functions at both ends of each side, for each cell.
-    couplings: Vec<[f64; V]>,
+    /// Minus the product of the flux with the field of the bubble of each side, and the product of this field with
+    /// itself.
+    rows: Vec<[f64; 2]>,
     /// Greatest factor of the bubble of each facet that the law allows.
     limits: Vec<f64>,
 }
 
-/// Gives the flux through each side the variation of the least norm within the law, in one sweep over all sides forth
-/// and one back. In space there is none.
+/// Gives the flux through each side, constant along it, the variation of the least norm within the law, in one sweep
+/// over all sides forth and one back. In space there is none.
 pub(super) fn vary<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
-    flux: &mut [SideFlux<D>],
-) {
-    if D != 2 {
-        return;
+    triangles: &[Triangle],
+    flux: &[f64],
+) -> Vec<SideFlux<D>> {
+    let mut varied: Vec<_> = flux.iter().map(|flux| [*flux; D]).collect();
+    if D == 2 {
+        let mut bubbles = Bubbles::new(cells, sides, triangles, flux);
+        let count = triangles.len() as u32;
+        (0..count).for_each(|cell| (0..V).for_each(|k| bubbles.relax(cell, k)));
+        (0..count).rev().for_each(|cell| (0..V).rev().for_each(|k| bubbles.relax(cell, k)));
+        bubbles.add_to(cells, &mut varied);
     }
-    let mut bubbles = Bubbles::<D, V>::new(cells, sides, flux);
-    let count = (V * cells.mesh.cells().len()) as u32;
-    let mut relaxed = |place: u32| bubbles.relax(place / V as u32, place as usize % V);
-    (0..count).for_each(&mut relaxed);
-    (0..count).rev().for_each(relaxed);
-    bubbles.add_to(cells, flux);
+    varied
 }
 
-impl<'a, const D: usize, const V: usize> Bubbles<'a, D, V> {
+impl<'a, const V: usize> Bubbles<'a, V> {
     /// No bubbles, with what the best ones depend on.
-    fn new(cells: &Cells<'_, D, V>, sides: &'a Sides<V>, flux: &[SideFlux<D>]) -> Self {
-        let mesh = cells.mesh;
-        let count = mesh.cells().len();
-        let of_cell = |cell: usize| {
-            let nodes = &mesh.cells()[cell];
-            let vertices = mesh.vertices(nodes);
-            let element = Element::new(vertices);
-            let outflows = outflows(sides, cell as u32, nodes, flux);
-            let sigma = at_vertices(&vertices, element.volume, &outflows);
-            let coupling = |k: usize| -element.stiffness((k + 1) % V, (k + 2) % V);
-            let loads: [f64; V] = std::array::from_fn(|k| -of_bubble(&element, &sigma, k));
-            (std::array::from_fn(coupling), loads)
-        };
-        let (mut load, mut couplings) = (vec![0.0; sides.len()], Vec::with_capacity(count));
-        for start in (0..count).step_by(RUN) {
-            let run = start..count.min(start + RUN);
-            let each = items_per_task(run.len(), COST);
-            for (cell, (coupling, loads)) in (start..).zip(map_range(run, each, of_cell)) {
-                couplings.push(coupling);
-                for (side, of_cell) in sides.numbers(cell as u32).into_iter().zip(loads) {
-                    load[side as usize] += of_cell;
-                }
+    fn new<const D: usize>(
+        cells: &Cells<'_, D, V>,
+        sides: &'a Sides<V>,
+        triangles: &'a [Triangle],
+        flux: &[f64],
+    ) -> Self {
+        let mut rows = vec![[0.0; 2]; sides.len()];
+        for (number, triangle) in (0..).zip(triangles) {
+            let (numbers, q, c) =
+                (sides.numbers(number), sides.outflows(number, flux), triangle.couplings);
+            for k in 0..3 {
+                let [i, j] = [(k + 1) % 3, (k + 2) % 3];
+                // A bubble does as much work along its side as two thirds of the flux in the middle.
+                let of_others = (q[i] - q[j]) * (c[i] + c[j]);
+                let [load, square] = &mut rows[numbers[k] as usize];
+                *load += 0.25 * (q[k] * (c[j] - c[i]) + of_others);
+                *square += c[0] + c[1] + c[2];
             }
         }
-        let facets = mesh.facets().iter().zip(sides.of_facets());
+        let facets = cells.mesh.facets().iter().zip(sides.of_facets());
         let limits = facets.map(|(facet, &BoundarySide { side, .. })| {
-            let room = flux[side as usize].map(|flux| cells.interval(facet).room(flux));
-            0.25 * room.into_iter().fold(f64::INFINITY, f64::min).max(0.0)
+            0.25 * cells.interval(facet).room(flux[side as usize]).max(0.0)
         });
         let limits = limits.collect();
-        Self { sides, psi: vec![0.0; sides.len()], load, couplings, limits }
+        Self { sides, triangles, psi: vec![0.0; sides.len()], rows, limits }
     }
 
     /// Gives the bubble on the side of a cell opposite to one of its vertices the factor of the least norm, if the flux
@@ -86,39 +76,31 @@ impl<'a, const D: usize, const V: usize> Bubbles<'a, D, V> {
     #[inline(always)]
     fn relax(&mut self, cell: u32, k: usize) {
         let side = self.sides.numbers(cell)[k];
-        if !self.sides.leaves(cell, side) {
-            return;
-        }
-        let [mut sum, mut diagonal] = self.row(cell, k);
+        let [mut sum, square] = self.rows[side as usize];
         let mut limit = f64::INFINITY;
         match self.sides.across(cell, side) {
-            Neighbour::Cell(next) => {
-                let [of_next, own] = self.row(next, self.sides.slot(next, side));
-                sum += of_next;
-                diagonal += own;
-            }
+            Neighbour::Cell(next) if next < cell => return,
+            Neighbour::Cell(next) => sum += self.of_others(next, self.sides.slot(next, side)),
             Neighbour::Facet(facet) => limit = self.limits[facet as usize],
         }
-        let psi = &mut self.psi[side as usize];
-        let best = (self.load[side as usize] + sum) / diagonal;
+        sum += self.of_others(cell, k);
+        let best = sum / square;
         // Flat cells keep their flux.
         if best.is_finite() {
-            *psi = best.clamp(-limit, limit);
+            self.psi[side as usize] = best.clamp(-limit, limit);
         }
     }
 
-    /// Sum of the products of other bubbles on a cell with that of a side, and minus its product with itself.
+    /// Minus the sum of the products of other bubbles on a cell with that of a side.
     #[inline(always)]
-    fn row(&self, cell: u32, k: usize) -> [f64; 2] {
-        let (numbers, couplings) = (self.sides.numbers(cell), &self.couplings[cell as usize]);
+    fn of_others(&self, cell: u32, k: usize) -> f64 {
+        let (numbers, c) = (self.sides.numbers(cell), &self.triangles[cell as usize].couplings);
         let [i, j] = [(k + 1) % V, (k + 2) % V];
-        let [of_i, of_j] = [i, j].map(|place| self.psi[numbers[place] as usize]);
-        let sum = couplings[j] * of_i + couplings[i] * of_j;
-        [sum, couplings.iter().sum()].map(|x| 8.0 / 3.0 * x)
+        c[j] * self.psi[numbers[i] as usize] + c[i] * self.psi[numbers[j] as usize]
     }
 
     /// Adds the field of the bubbles to a flux.
-    fn add_to(&self, cells: &Cells<'_, D, V>, flux: &mut [SideFlux<D>]) {
+    fn add_to<const D: usize>(&self, cells: &Cells<'_, D, V>, flux: &mut [SideFlux<D>]) {
         for (number, nodes) in (0..).zip(cells.mesh.cells()) {
             for (k, side) in self.sides.numbers(number).into_iter().enumerate() {
                 if self.sides.leaves(number, side) {

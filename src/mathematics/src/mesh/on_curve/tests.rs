@@ -109,11 +109,11 @@ fn a_hemisphere_on_a_cylinder_keeps_the_circle_between_them() {
 
 #[test]
 fn what_lies_beyond_a_cap_is_added_in_the_plane_of_its_base() {
-    use crate::mesh::{curve_gains, refine};
+    use crate::mesh::{Sides, curve_gains, refine};
     use crate::problem::source::Source;
     let cap = curved(on_rim(RIM, 0.5, 1.0, None), &[("top", &[0.0, 0.0, 0.0, 1.0])]);
     let mesh = refine(&refine(&cap).unwrap().mesh).unwrap().mesh;
-    let gains = curve_gains(&mesh, &Source::<3>::constant(1.0));
+    let gains = curve_gains(&mesh, &Sides::new(&mesh), &Source::<3>::constant(1.0));
     let volume = mesh.volume() + gains.iter().map(|gain| gain.integral).sum::<f64>();
     assert!((volume / CAP - 1.0).abs() < 5e-3, "{volume} {CAP}");
     let base: f64 = mesh
