@@ -41,7 +41,8 @@ impl Problem {
         }
         let load = mesh_load(&meshes[meshes.len() - 1], &f[..])?;
         let is_curved = coarsest.parts().iter().any(|part| part.curve.is_some());
-        let levels = Triangulations::of(NestedMeshes { meshes, networks }, (f, text), load);
+        let nested = NestedMeshes { meshes, networks, sides };
+        let levels = Triangulations::of(nested, (f, text), load);
         Ok(Self::checked(levels, law, is_curved))
     }
 }

@@ -16,7 +16,7 @@ use crate::problem::shape::Shape;
 use crate::problem::source::Source;
 use crate::problem::unsolvable::Component;
 use std::borrow::Cow;
-use std::sync::{Mutex, OnceLock};
+use std::sync::Mutex;
 
 /// Mesh and its refinements, with f.
 pub(crate) struct Triangulations<const D: usize, const V: usize> {
@@ -29,8 +29,8 @@ pub(crate) struct Triangulations<const D: usize, const V: usize> {
     /// f on the finest mesh.
     load: MeshLoad,
     facts: Facts,
-    /// Sides of the finest mesh, once they are needed.
-    sides: OnceLock<Sides<V>>,
+    /// Sides of the finest mesh.
+    sides: Sides<V>,
     /// Guaranteed errors that were asked for last: bounds and files take those of one vector.
     errors: Mutex<Option<VectorErrors>>,
 }
@@ -91,10 +91,9 @@ where
             notes: finest.notes().into_iter().chain(outside.into_iter().flatten()).collect(),
             is_adapted: false,
         };
-        let NestedMeshes { meshes, networks } = nested;
+        let NestedMeshes { meshes, networks, sides } = nested;
         let meshes = meshes.into_iter().map(AnyMesh::from).collect();
-        let (sides, errors) = (OnceLock::new(), Mutex::default());
-        Self { meshes, networks, f, load, facts, sides, errors }
+        Self { meshes, networks, f, load, facts, sides, errors: Mutex::default() }
     }
 
     /// Levels of an adapted mesh, with guaranteed errors on the finest.
@@ -118,11 +117,6 @@ where
     /// Finest mesh.
     fn finest(&self) -> &Mesh<D, V> {
         self.on(self.meshes.len() - 1)
-    }
-
-    /// Sides of the finest mesh.
-    fn sides(&self) -> &Sides<V> {
-        self.sides.get_or_init(|| Sides::new(self.finest()))
     }
 
     /// Discrete problem of the finest mesh.
@@ -207,7 +201,7 @@ where
     fn components_on_curves(&self) -> Vec<Component> {
         let mut components = self.components();
         let of_nodes = self.network().components();
-        let gains = curve_gains(self.finest(), self.sides(), &self.f[..]);
+        let gains = curve_gains(self.finest(), &self.sides, &self.f[..]);
         for CurveGain { facet, measure, integral } in gains {
             let facet = &self.finest().facets()[facet];
             let component = &mut components[of_nodes[facet.nodes[0] as usize] as usize];
@@ -220,7 +214,7 @@ where
     }
 
     fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound> {
-        let (mesh, sides) = (self.finest(), self.sides());
+        let (mesh, sides) = (self.finest(), &self.sides);
         let (network, f) = (self.network(), &self.load);
         let bounded = BoundedProblem { mesh, sides, network, f, law };
         let found = bounded.bounds(y)?;

@@ -1,7 +1,7 @@
 //! The discrete problem of a triangulation: stiffness matrix (5) as couplings, load vector (6), parts of the boundary.
 
 use super::geometry::measure;
-use super::{Condition, Edges, Element, Mesh, PlaneMesh, Sides};
+use super::{Condition, Edges, Element, Mesh, Sides};
 use crate::discrete::network::{Coupling, Network};
 use crate::problem::law::ContactNode;
 
@@ -36,8 +36,11 @@ pub(super) fn assemble_edges<const D: usize, const V: usize>(
     network_of(mesh, Couplings { ends: edges.ends(), weights }, masses)
 }
 
-/// As [`assemble`], for a mesh in the plane whose sides are known.
-pub(crate) fn assemble_sides(mesh: &PlaneMesh, sides: &Sides<3>) -> Network {
+/// As [`assemble`], for a mesh in the plane whose sides are known: they are its edges.
+pub(crate) fn assemble_sides<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    sides: &Sides<V>,
+) -> Network {
     let mut masses = vec![0.0; mesh.points.len()];
     let (mut ends, mut weights) = (vec![[0; 2]; sides.len()], vec![0.0; sides.len()]);
     for (cell, numbers) in mesh.cells.iter().zip(&sides.of_cell) {

@@ -358,7 +358,7 @@ impl<'a> Pieces<'a> {
         if is_curved {
             check_orientation(coarse, &mesh, &self.origins)?;
         }
-        let sides = Sides { of_cell: self.of_cell, both_cells, of_facet };
+        let sides = Sides { of_cell: self.of_cell, both_cells, of_facet, edges: None };
         Ok(Bisected { mesh, sides, parents: self.parents, origins: self.origins })
     }
 }

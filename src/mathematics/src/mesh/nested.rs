@@ -1,17 +1,18 @@
 //! The nested discrete problems of a mesh and its refinements.
 
-use super::assemble::assemble_edges;
+use super::assemble::{assemble_edges, assemble_sides};
 use super::refine::refine_edges;
-use super::{Edges, Mesh, MeshError, Refined, assemble};
+use super::{Edges, Mesh, MeshError, Refined, Sides};
 use crate::discrete::nested::NestedNetwork;
 
 /// Mesh and its refinements, coarsest first, with their discrete problems.
-#[derive(Clone, Debug)]
 pub(crate) struct NestedMeshes<const D: usize, const V: usize> {
     /// Meshes.
     pub meshes: Vec<Mesh<D, V>>,
     /// Discrete problem of each mesh.
     pub networks: Vec<NestedNetwork>,
+    /// Sides of the cells of the finest mesh.
+    pub sides: Sides<V>,
 }
 
 /// Returns a mesh and its refinements, `times` of them, with their discrete problems.
@@ -31,9 +32,14 @@ pub(crate) fn nested_meshes<const D: usize, const V: usize>(
         networks.push(NestedNetwork { network, parents: std::mem::replace(&mut between, parents) });
         meshes.push(mesh);
     }
-    let network = assemble(&meshes[meshes.len() - 1]);
+    let finest = &meshes[meshes.len() - 1];
+    let sides = Sides::new(finest);
+    let network = match &sides.edges {
+        Some(edges) => assemble_edges(finest, edges),
+        None => assemble_sides(finest, &sides),
+    };
     networks.push(NestedNetwork { network, parents: between });
-    Ok(NestedMeshes { meshes, networks })
+    Ok(NestedMeshes { meshes, networks, sides })
 }
 
 /// Returns the discrete problems of a mesh and its refinements, `times` of them, and the finest mesh.
@@ -44,6 +50,6 @@ pub fn refined<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     times: usize,
 ) -> Result<(Vec<NestedNetwork>, Mesh<D, V>), MeshError> {
-    let NestedMeshes { mut meshes, networks } = nested_meshes(mesh, times)?;
+    let NestedMeshes { mut meshes, networks, .. } = nested_meshes(mesh, times)?;
     Ok((networks, meshes.pop().expect("at least the coarsest mesh")))
 }

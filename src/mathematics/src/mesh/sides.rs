@@ -1,6 +1,6 @@
 //! Sides of the cells of a triangulation, each numbered once, with the cells that share them.
 
-use super::{Mesh, sides_of, sorted};
+use super::{Edges, Mesh, sides_of, sorted};
 
 /// Sides of all cells: edges in the plane, triangles in space.
 pub(crate) struct Sides<const V: usize> {
@@ -11,6 +11,8 @@ pub(crate) struct Sides<const V: usize> {
     pub(super) both_cells: Vec<u32>,
     /// Side of each facet of the boundary.
     pub(super) of_facet: Vec<BoundarySide>,
+    /// Edges of all cells; none in the plane, where the sides are the edges.
+    pub(super) edges: Option<Edges>,
 }
 
 /// Side of the boundary.
@@ -43,6 +45,7 @@ impl<const V: usize> Sides<V> {
             of_cell: vec![[0; V]; cells as usize],
             both_cells: Vec::with_capacity(pairs.len()),
             of_facet: vec![BoundarySide::default(); mesh.facets().len()],
+            edges: (D > 2).then(|| Edges::new(mesh.points().len(), mesh.cells())),
         };
         for (side, pair) in pairs.iter().enumerate() {
             let owners = pair.map(|place| {
@@ -72,6 +75,21 @@ impl<const V: usize> Sides<V> {
     /// Numbers of the sides of a cell.
     pub(crate) fn numbers(&self, cell: u32) -> [u32; V] {
         self.of_cell[cell as usize]
+    }
+
+    /// Number of edges.
+    pub(crate) fn edges(&self) -> usize {
+        self.edges.as_ref().map_or(self.len(), Edges::len)
+    }
+
+    /// Number of the edge between two vertices of a cell with these nodes.
+    #[inline(always)]
+    pub(crate) fn edge(&self, cell: u32, nodes: &[u32; V], [i, j]: [usize; 2]) -> usize {
+        match &self.edges {
+            // The side lies opposite to the third vertex.
+            None => self.numbers(cell)[3 - i - j] as usize,
+            Some(edges) => edges.between(nodes[i], nodes[j]),
+        }
     }
 
     /// Position of a side among the sides of a cell.

@@ -7,13 +7,6 @@ use crate::mesh::{Sides, difference, dot};
 /// the node everywhere. Between the nodes the density is linear, and the mean of the fluxes is the flux.
 pub(super) type SideFlux<const D: usize> = [f64; D];
 
-/// Rank of a vertex by the numbers of the nodes, among those of the side opposite to another vertex.
-#[inline(always)]
-pub(super) fn rank<const V: usize>(nodes: &[u32; V], opposite: usize, vertex: usize) -> usize {
-    let is_before = |&k: &usize| k != opposite && nodes[k] < nodes[vertex];
-    (0..V).filter(is_before).count()
-}
-
 /// Outflows of a cell with these nodes, by the vertex opposite to the side and the vertex at which the density is
 /// taken.
 #[inline(always)]
@@ -23,11 +16,16 @@ pub(super) fn outflows<const D: usize, const V: usize>(
     nodes: &[u32; V],
     flux: &[SideFlux<D>],
 ) -> [[f64; V]; V] {
+    let mut ranks = [0; V];
+    for (rank, node) in ranks.iter_mut().zip(nodes) {
+        *rank = nodes.iter().filter(|other| *other < node).count();
+    }
     let mut outflows = [[0.0; V]; V];
     for (opposite, side) in sides.numbers(cell).into_iter().enumerate() {
         let sign = if sides.leaves(cell, side) { 1.0 } else { -1.0 };
         for vertex in (0..V).filter(|vertex| *vertex != opposite) {
-            outflows[opposite][vertex] = sign * flux[side as usize][rank(nodes, opposite, vertex)];
+            let rank = ranks[vertex] - usize::from(ranks[opposite] < ranks[vertex]);
+            outflows[opposite][vertex] = sign * flux[side as usize][rank];
         }
     }
     outflows

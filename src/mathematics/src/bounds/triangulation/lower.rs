@@ -10,7 +10,7 @@ use super::BoundedProblem;
 use super::cells::{COST, at_nodes, gradient};
 use super::linear::product;
 use crate::machine::threads::{among_threads, for_runs, items_per_task, map_range};
-use crate::mesh::{BoundarySide, Condition, Edges, Element, Facet, Mesh, Sides, dot};
+use crate::mesh::{BoundarySide, Condition, Element, Mesh, Sides, dot};
 
 /// Rounding errors of a residual, in roundings of its terms.
 const ROUNDINGS: f64 = 64.0;
@@ -36,49 +36,6 @@ impl EdgeBubble {
     }
 }
 
-/// Numbers of the edges of all cells.
-enum CellEdges<'a, const V: usize> {
-    /// In the plane the edges are the sides of the cells.
-    Sides(&'a Sides<V>),
-    /// In space they are found by their ends.
-    Edges(Edges),
-}
-
-impl<const V: usize> CellEdges<'_, V> {
-    fn len(&self) -> usize {
-        match self {
-            Self::Sides(sides) => sides.len(),
-            Self::Edges(edges) => edges.len(),
-        }
-    }
-
-    /// Number of the edge between two vertices of a cell with these nodes.
-    fn number(&self, cell: usize, nodes: &[u32; V], [i, j]: [usize; 2]) -> usize {
-        match self {
-            // The side lies opposite to the third vertex.
-            Self::Sides(sides) => sides.numbers(cell as u32)[3 - i - j] as usize,
-            Self::Edges(edges) => edges.between(nodes[i], nodes[j]),
-        }
-    }
-
-    /// Calls a function with the number of each edge of a facet.
-    fn of_facet<const D: usize>(
-        &self,
-        facet: &Facet<D>,
-        of_facet: BoundarySide,
-        mut visit: impl FnMut(usize),
-    ) {
-        match self {
-            Self::Sides(_) => visit(of_facet.side as usize),
-            Self::Edges(edges) => {
-                for (k, &one) in facet.nodes.iter().enumerate() {
-                    facet.nodes[..k].iter().for_each(|&two| visit(edges.between(one, two)));
-                }
-            }
-        }
-    }
-}
-
 /// Pairs of vertices of a cell, at most [`MOST_EDGES`].
 fn pairs<const V: usize>() -> impl Iterator<Item = [usize; 2]> {
     (0..V).flat_map(|j| (0..j).map(move |i| [i, j]))
@@ -90,19 +47,15 @@ pub(super) fn lower<const D: usize, const V: usize>(
     w: &[f64],
 ) -> f64 {
     let mesh = problem.mesh;
-    let edges = match D {
-        2 => CellEdges::Sides(problem.sides),
-        _ => CellEdges::Edges(Edges::new(mesh.points().len(), mesh.cells())),
-    };
     among_threads(COST * mesh.cells().len(), || {
-        let bubbles = bubbles(problem, &edges, w);
+        let bubbles = bubbles(problem, w);
         let (mut product, mut rounding) = (0.0, 0.0);
         for bubble in &bubbles {
             product += bubble.size() * bubble.residual;
             rounding += bubble.size().abs() * bubble.magnitude;
         }
         let sizes: Vec<f64> = bubbles.into_iter().map(EdgeBubble::size).collect();
-        let square = square(mesh, &edges, &sizes);
+        let square = square(mesh, problem.sides, &sizes);
         let product = product - ROUNDINGS * f64::EPSILON * rounding;
         // Sums of as many terms as there are cells.
         let sums = 1.0 - f64::EPSILON * 16.0 * mesh.cells().len() as f64;
@@ -114,7 +67,6 @@ pub(super) fn lower<const D: usize, const V: usize>(
 /// Bubbles on all edges.
 fn bubbles<const D: usize, const V: usize>(
     problem: &BoundedProblem<'_, D, V>,
-    edges: &CellEdges<'_, V>,
     w: &[f64],
 ) -> Vec<EdgeBubble> {
     let &BoundedProblem { mesh, sides, f, .. } = problem;
@@ -135,7 +87,7 @@ fn bubbles<const D: usize, const V: usize>(
             *part = EdgeBubble { residual, stiffness, magnitude };
         }
     };
-    let mut bubbles = vec![EdgeBubble::default(); edges.len()];
+    let mut bubbles = vec![EdgeBubble::default(); sides.edges()];
     let mut parts = vec![[EdgeBubble::default(); MOST_EDGES]; RUN.min(mesh.cells().len())];
     let each = items_per_task(parts.len(), COST);
     for (start, cells) in (0..).step_by(RUN).zip(mesh.cells().chunks(RUN)) {
@@ -145,16 +97,20 @@ fn bubbles<const D: usize, const V: usize>(
         });
         for ((number, nodes), parts) in (start..).zip(cells).zip(&*parts) {
             for (part, ends) in parts.iter().zip(pairs::<V>()) {
-                let bubble = &mut bubbles[edges.number(number, nodes, ends)];
+                let bubble = &mut bubbles[sides.edge(number as u32, nodes, ends)];
                 bubble.residual += part.residual;
                 bubble.stiffness += part.stiffness;
                 bubble.magnitude += part.magnitude;
             }
         }
     }
-    for (facet, &of_facet) in mesh.facets().iter().zip(sides.of_facets()) {
+    for (facet, &BoundarySide { side, cell }) in mesh.facets().iter().zip(sides.of_facets()) {
         if mesh.condition(facet) != Condition::Free {
-            edges.of_facet(facet, of_facet, |edge| bubbles[edge].stiffness = f64::INFINITY);
+            let (nodes, opposite) = (&mesh.cells()[cell as usize], sides.slot(cell, side));
+            for ends in pairs::<V>().filter(|ends| !ends.contains(&opposite)) {
+                let edge = sides.edge(cell, nodes, ends);
+                bubbles[edge].stiffness = f64::INFINITY;
+            }
         }
     }
     bubbles
@@ -163,7 +119,7 @@ fn bubbles<const D: usize, const V: usize>(
 /// Square of the norm of the gradient of the sum of bubbles with these sizes.
 fn square<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
-    edges: &CellEdges<'_, V>,
+    sides: &Sides<V>,
     sizes: &[f64],
 ) -> f64 {
     let of_cell = |number: usize| {
@@ -172,7 +128,7 @@ fn square<const D: usize, const V: usize>(
         // The gradient of 4 p q is 4 grad q where p is 1.
         let mut slopes = [[0.0; D]; V];
         for [i, j] in pairs::<V>() {
-            let size = 4.0 * sizes[edges.number(number, nodes, [i, j])];
+            let size = 4.0 * sizes[sides.edge(number as u32, nodes, [i, j])];
             for d in 0..D {
                 slopes[i][d] += size * gradients[j][d];
                 slopes[j][d] += size * gradients[i][d];
@@ -208,25 +164,25 @@ mod tests {
         16.0 * sum / (V * (V + 1)) as f64
     }
 
-    fn check<const D: usize, const V: usize>(mesh: &Mesh<D, V>, edges: &CellEdges<'_, V>) {
-        let sizes: Vec<_> = (0..edges.len()).map(|edge| libm::sin(78.233 * edge as f64)).collect();
+    fn check<const D: usize, const V: usize>(mesh: &Mesh<D, V>) {
+        let sides = Sides::new(mesh);
+        let sizes: Vec<_> =
+            (0..sides.edges()).map(|edge| libm::sin(78.233 * edge as f64)).collect();
         let mut expected = 0.0;
         for (number, nodes) in mesh.cells().iter().enumerate() {
             let element = Element::new(mesh.vertices(nodes));
             for (one, two) in pairs::<V>().flat_map(|one| pairs::<V>().map(move |two| (one, two))) {
-                let [p, q] = [one, two].map(|ends| sizes[edges.number(number, nodes, ends)]);
+                let [p, q] = [one, two].map(|ends| sizes[sides.edge(number as u32, nodes, ends)]);
                 expected += p * q * product(&element, one, two);
             }
         }
-        let found = square(mesh, edges, &sizes);
+        let found = square(mesh, &sides, &sizes);
         assert!((found - expected).abs() < 1e-12 * expected, "{found} {expected}");
     }
 
     #[test]
     fn bubbles_that_overlap_have_the_norm_of_their_sum() {
-        let mesh = BuiltIn::LShape.plane().unwrap();
-        check(&mesh, &CellEdges::Sides(&Sides::new(&mesh)));
-        let cube = uniform_cube(2);
-        check(&cube, &CellEdges::Edges(Edges::new(cube.points().len(), cube.cells())));
+        check(&BuiltIn::LShape.plane().unwrap());
+        check(&uniform_cube(2));
     }
 }

@@ -395,7 +395,7 @@ impl Refining for Meshes<'_> {
         self.bounds.push(Ok(bounded.with_lower(found.bounds, &y)));
         (self.ended)(Step::Bounds);
         let is_curved = mesh.parts().iter().any(|part| part.curve.is_some());
-        let nested = NestedMeshes { meshes: self.all, networks: self.networks };
+        let nested = NestedMeshes { meshes: self.all, networks: self.networks, sides: self.sides };
         let levels =
             Triangulations::of(nested, (self.f, self.adaption.f), self.load).adapted(errors);
         let run = Run {

@@ -40,7 +40,7 @@ impl DiscreteStart {
     ) -> Option<Self> {
         let of_either = AnyMesh::from(coarsest.clone());
         let fits = (1..=MOST_TIMES).take_while(|&times| of_either.nodes_after(times) <= most_nodes);
-        let NestedMeshes { meshes, networks } = nested_meshes(coarsest, fits.count()).ok()?;
+        let NestedMeshes { meshes, networks, .. } = nested_meshes(coarsest, fits.count()).ok()?;
         let (finest, network) = (meshes.last()?, &networks.last()?.network);
         let load = mesh_load(finest, f).ok()?.load;
         let params = MultigridParams::default();
