@@ -300,7 +300,7 @@ fn equilibrated<const D: usize, const V: usize>(
         || forest.get_or_init(|| CellForest::new(sides, cells.mesh.cells().len())),
     );
     balance(cells, sides, forest, &mut flux)?;
-    Ok(vary(cells, sides, &triangles, &flux))
+    Ok(vary(cells, sides, triangles, flux))
 }
 
 /// Nodes whose patches one thread computes before their fluxes are added.

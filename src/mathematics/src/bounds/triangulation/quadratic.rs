@@ -8,7 +8,6 @@ use super::cells::Cells;
 use super::forest::CellForest;
 use super::limits::FacetLimits;
 use super::linear::{SideFlux, at_vertices, outflows, product};
-use super::vary::{of_bubble, turned};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::{Coupling, Network};
 use crate::mesh::{Element, Sides, volume};
@@ -221,4 +220,26 @@ fn first_of(first: &mut [u32], mut place: u32) -> u32 {
         place = before;
     }
     place
+}
+
+/// Product of a field on a cell, given by its values at the vertices, and that of the bubble on the side opposite to a
+/// vertex.
+#[inline(always)]
+fn of_bubble<const D: usize, const V: usize>(
+    element: &Element<D, V>,
+    sigma: &[[f64; D]; V],
+    k: usize,
+) -> f64 {
+    let [i, j] = [(k + 1) % V, (k + 2) % V];
+    let mut field = [[0.0; D]; V];
+    field[i] = turned(element.gradients[j].map(|x| 4.0 * x));
+    field[j] = turned(element.gradients[i].map(|x| 4.0 * x));
+    product(element.volume, sigma, &field)
+}
+
+/// Field of a linear psi with this gradient.
+fn turned<const D: usize>(gradient: [f64; D]) -> [f64; D] {
+    let mut turned = [0.0; D];
+    [turned[0], turned[1]] = [gradient[1], -gradient[0]];
+    turned
 }

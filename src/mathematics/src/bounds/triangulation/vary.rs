@@ -6,9 +6,9 @@
 //! can be any linear field then.
 
 use super::cells::Cells;
-use super::linear::{SideFlux, product};
+use super::linear::SideFlux;
 use super::triangles::Triangle;
-use crate::mesh::{BoundarySide, Element, Neighbour, Sides};
+use crate::mesh::{BoundarySide, Neighbour, Sides};
 
 /// Sum of bubbles. Products of fields are 3/8 of what they are.
 struct Bubbles<'a, const V: usize> {
@@ -16,9 +16,8 @@ struct Bubbles<'a, const V: usize> {
     triangles: &'a [Triangle],
     /// Factor of the bubble of each side.
     psi: Vec<f64>,
-    /// Minus the product of the flux with the field of the bubble of each side, and the product of this field with
-    /// itself.
-    rows: Vec<[f64; 2]>,
+    /// Minus the products of the flux with the fields of the bubbles.
+    load: Vec<f64>,
     /// Greatest factor of the bubble of each facet that the law allows.
     limits: Vec<f64>,
 }
@@ -28,18 +27,21 @@ struct Bubbles<'a, const V: usize> {
 pub(super) fn vary<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
-    triangles: &[Triangle],
-    flux: &[f64],
+    triangles: Vec<Triangle>,
+    flux: Vec<f64>,
 ) -> Vec<SideFlux<D>> {
-    let mut varied: Vec<_> = flux.iter().map(|flux| [*flux; D]).collect();
+    let mut bubbles = Bubbles::new(cells, sides, &triangles, &flux);
+    let count = triangles.len() as u32;
+    (0..count).for_each(|cell| (0..V).for_each(|k| bubbles.relax(cell, k)));
+    (0..count).rev().for_each(|cell| (0..V).rev().for_each(|k| bubbles.relax(cell, k)));
+    let psi = bubbles.psi;
+    // The memory is that of the mesh several times.
+    drop((bubbles.load, triangles));
+    let mut flux: Vec<_> = flux.into_iter().map(|flux| [flux; D]).collect();
     if D == 2 {
-        let mut bubbles = Bubbles::new(cells, sides, triangles, flux);
-        let count = triangles.len() as u32;
-        (0..count).for_each(|cell| (0..V).for_each(|k| bubbles.relax(cell, k)));
-        (0..count).rev().for_each(|cell| (0..V).rev().for_each(|k| bubbles.relax(cell, k)));
-        bubbles.add_to(cells, &mut varied);
+        add(&psi, cells, sides, &mut flux);
     }
-    varied
+    flux
 }
 
 impl<'a, const V: usize> Bubbles<'a, V> {
@@ -50,17 +52,15 @@ impl<'a, const V: usize> Bubbles<'a, V> {
         triangles: &'a [Triangle],
         flux: &[f64],
     ) -> Self {
-        let mut rows = vec![[0.0; 2]; sides.len()];
-        for (number, triangle) in (0..).zip(triangles) {
-            let (numbers, q, c) =
-                (sides.numbers(number), sides.outflows(number, flux), triangle.couplings);
+        let count = if triangles.is_empty() { 0 } else { sides.len() };
+        let mut load = vec![0.0; count];
+        for (number, &Triangle { couplings: c, .. }) in (0..).zip(triangles) {
+            let (numbers, q) = (sides.numbers(number), sides.outflows(number, flux));
             for k in 0..3 {
                 let [i, j] = [(k + 1) % 3, (k + 2) % 3];
                 // A bubble does as much work along its side as two thirds of the flux in the middle.
                 let of_others = (q[i] - q[j]) * (c[i] + c[j]);
-                let [load, square] = &mut rows[numbers[k] as usize];
-                *load += 0.25 * (q[k] * (c[j] - c[i]) + of_others);
-                *square += c[0] + c[1] + c[2];
+                load[numbers[k] as usize] += 0.25 * (q[k] * (c[j] - c[i]) + of_others);
             }
         }
         let facets = cells.mesh.facets().iter().zip(sides.of_facets());
@@ -68,7 +68,7 @@ impl<'a, const V: usize> Bubbles<'a, V> {
             0.25 * cells.interval(facet).room(flux[side as usize]).max(0.0)
         });
         let limits = limits.collect();
-        Self { sides, triangles, psi: vec![0.0; sides.len()], rows, limits }
+        Self { sides, triangles, psi: vec![0.0; count], load, limits }
     }
 
     /// Gives the bubble on the side of a cell opposite to one of its vertices the factor of the least norm, if the flux
@@ -76,63 +76,46 @@ impl<'a, const V: usize> Bubbles<'a, V> {
     #[inline(always)]
     fn relax(&mut self, cell: u32, k: usize) {
         let side = self.sides.numbers(cell)[k];
-        let [mut sum, square] = self.rows[side as usize];
-        let mut limit = f64::INFINITY;
+        let (mut of_next, mut limit) = ([0.0; 2], f64::INFINITY);
         match self.sides.across(cell, side) {
             Neighbour::Cell(next) if next < cell => return,
-            Neighbour::Cell(next) => sum += self.of_others(next, self.sides.slot(next, side)),
+            Neighbour::Cell(next) => of_next = self.row(next, self.sides.slot(next, side)),
             Neighbour::Facet(facet) => limit = self.limits[facet as usize],
         }
-        sum += self.of_others(cell, k);
-        let best = sum / square;
+        let [sum, square] = self.row(cell, k);
+        let best = (self.load[side as usize] + sum + of_next[0]) / (square + of_next[1]);
         // Flat cells keep their flux.
         if best.is_finite() {
             self.psi[side as usize] = best.clamp(-limit, limit);
         }
     }
 
-    /// Minus the sum of the products of other bubbles on a cell with that of a side.
+    /// Minus the sum of the products of other bubbles on a cell with that of a side, and its product with itself.
     #[inline(always)]
-    fn of_others(&self, cell: u32, k: usize) -> f64 {
+    fn row(&self, cell: u32, k: usize) -> [f64; 2] {
         let (numbers, c) = (self.sides.numbers(cell), &self.triangles[cell as usize].couplings);
-        let [i, j] = [(k + 1) % V, (k + 2) % V];
-        c[j] * self.psi[numbers[i] as usize] + c[i] * self.psi[numbers[j] as usize]
+        let [i, j] = [(k + 1) % 3, (k + 2) % 3];
+        let sum = c[j] * self.psi[numbers[i] as usize] + c[i] * self.psi[numbers[j] as usize];
+        [sum, c[0] + c[1] + c[2]]
     }
+}
 
-    /// Adds the field of the bubbles to a flux.
-    fn add_to<const D: usize>(&self, cells: &Cells<'_, D, V>, flux: &mut [SideFlux<D>]) {
-        for (number, nodes) in (0..).zip(cells.mesh.cells()) {
-            for (k, side) in self.sides.numbers(number).into_iter().enumerate() {
-                if self.sides.leaves(number, side) {
-                    let [from, to] = [1, 2].map(|step| nodes[(k + step) % V]);
-                    let slope = if from < to { 4.0 } else { -4.0 } * self.psi[side as usize];
-                    flux[side as usize][0] += slope;
-                    flux[side as usize][1] -= slope;
-                }
+/// Adds the field of bubbles with these factors to a flux.
+fn add<const D: usize, const V: usize>(
+    psi: &[f64],
+    cells: &Cells<'_, D, V>,
+    sides: &Sides<V>,
+    flux: &mut [SideFlux<D>],
+) {
+    for (number, nodes) in (0..).zip(cells.mesh.cells()) {
+        for (k, side) in sides.numbers(number).into_iter().enumerate() {
+            if sides.leaves(number, side) {
+                let [from, to] = [1, 2].map(|step| nodes[(k + step) % V]);
+                let slope = if from < to { 4.0 } else { -4.0 } * psi[side as usize];
+                flux[side as usize][0] += slope;
+                flux[side as usize][1] -= slope;
             }
         }
-        cells.clamp(self.sides, flux);
     }
-}
-
-/// Product of a field on a cell, given by its values at the vertices, and that of the bubble on the side opposite to a
-/// vertex.
-#[inline(always)]
-pub(super) fn of_bubble<const D: usize, const V: usize>(
-    element: &Element<D, V>,
-    sigma: &[[f64; D]; V],
-    k: usize,
-) -> f64 {
-    let [i, j] = [(k + 1) % V, (k + 2) % V];
-    let mut field = [[0.0; D]; V];
-    field[i] = turned(element.gradients[j].map(|x| 4.0 * x));
-    field[j] = turned(element.gradients[i].map(|x| 4.0 * x));
-    product(element.volume, sigma, &field)
-}
-
-/// Field of a linear psi with this gradient.
-pub(super) fn turned<const D: usize>(gradient: [f64; D]) -> [f64; D] {
-    let mut turned = [0.0; D];
-    [turned[0], turned[1]] = [gradient[1], -gradient[0]];
-    turned
+    cells.clamp(sides, flux);
 }
