@@ -5,7 +5,6 @@
 
 use super::fan::Fan;
 use super::few::FewNumbers;
-use super::tetrahedra::LANES;
 use crate::machine::simd::vectorised;
 
 /// Number of circulations above which they are left out: the flux has the right divergence without them.
@@ -42,8 +41,8 @@ impl Circulations {
         }
         self.assemble(fan);
         vectorised(|| self.solve());
-        for (place, (member, numbers)) in fan.members.iter_mut().zip(&self.numbers).enumerate() {
-            let sense = fan.blocks[place / LANES].sense(place % LANES);
+        for (member, numbers) in fan.members.iter_mut().zip(&self.numbers) {
+            let sense = member.shape.sense();
             let [a, b, c] = numbers.map(|number| sense * self.strengths[number as usize]);
             let turned = [c - b, a - c, b - a];
             member.outflows.iter_mut().zip(turned).for_each(|(outflow, turned)| *outflow += turned);
@@ -81,26 +80,18 @@ impl Circulations {
     }
 
     /// Forms the matrix and the right-hand side.
-    fn assemble<const D: usize, const V: usize>(&mut self, fan: &mut Fan<'_, D, V>) {
+    fn assemble<const D: usize, const V: usize>(&mut self, fan: &Fan<'_, D, V>) {
         self.clear();
-        let cells = fan.members.chunks(LANES).zip(self.numbers.chunks(LANES)).zip(&mut fan.blocks);
-        for ((members, numbers), block) in cells {
-            let mut outflows = [[0.0; LANES]; 3];
-            for (lane, member) in members.iter().enumerate() {
-                (0..3).for_each(|k| outflows[k][lane] = member.outflows[k]);
-            }
-            vectorised(|| block.multiply(&outflows));
-            for (lane, numbers) in numbers.iter().enumerate() {
-                let numbers = numbers.map(|number| number as usize);
-                for k in 0..3 {
-                    let [i, j] = [numbers[(k + 1) % 3], numbers[(k + 2) % 3]];
-                    let product = block.products[k][lane];
-                    // Around the three edges the fields sum to zero.
-                    self.matrix[i * self.width + i] -= product;
-                    self.matrix[j * self.width + j] -= product;
-                    self.matrix[i.min(j) * self.width + i.max(j)] += product;
-                    self.matrix[numbers[k] * self.width + self.count + 1] -= block.loads[k][lane];
-                }
+        for (member, numbers) in fan.members.iter().zip(&self.numbers) {
+            let [products, loads] = member.shape.products(member.outflows);
+            for k in 0..3 {
+                let (at, i) = (numbers[k] as usize, numbers[(k + 1) % 3] as usize);
+                let j = numbers[(k + 2) % 3] as usize;
+                // Around the three edges the fields sum to zero.
+                self.matrix[i * self.width + i] -= products[k];
+                self.matrix[j * self.width + j] -= products[k];
+                self.matrix[i.min(j) * self.width + i.max(j)] += products[k];
+                self.matrix[at * self.width + self.count + 1] -= loads[k];
             }
         }
     }

@@ -5,8 +5,7 @@ use super::SideOutflow;
 use super::cells::Cells;
 use super::few::FewNumbers;
 use super::reaction::OpenNode;
-use super::tetrahedra::{Block, LANES};
-use crate::machine::simd::vectorised;
+use super::tetrahedra::Tetrahedron;
 use crate::mesh::{Condition, Facet, Mesh, Neighbour, Sides, difference, measure};
 
 /// Cell of a fan: the node and, in the order of the cell, three others a, b and c.
@@ -14,8 +13,6 @@ use crate::mesh::{Condition, Facet, Mesh, Neighbour, Sides, difference, measure}
 pub(super) struct Member {
     /// Number of the cell.
     cell: u32,
-    /// Position of the node among the vertices.
-    vertex: usize,
     /// Nodes a, b and c.
     pub others: [u32; 3],
     /// Sides opposite to a, b and c.
@@ -26,6 +23,8 @@ pub(super) struct Member {
     pub outflows: [f64; 3],
     /// Sum that the outflows must have.
     wanted: f64,
+    /// Shape.
+    pub shape: Tetrahedron,
     /// Way to a cell nearer to the first one.
     parent: Parent,
 }
@@ -59,8 +58,6 @@ pub(super) struct Fan<'a, const D: usize, const V: usize> {
     sides: &'a Sides<V>,
     cells: Cells<'a, D, V>,
     pub members: Vec<Member>,
-    /// Shapes of the members.
-    pub blocks: Vec<Block>,
     outlets: Vec<FanOutlet>,
     /// Node.
     node: u32,
@@ -73,19 +70,9 @@ pub(super) struct Fan<'a, const D: usize, const V: usize> {
 impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
     /// Empty fan.
     pub(super) fn new(cells: Cells<'a, D, V>, sides: &'a Sides<V>) -> Self {
-        let (members, blocks, outlets) = (Vec::new(), Vec::new(), Vec::new());
+        let (members, outlets) = (Vec::new(), Vec::new());
         let (found, places) = (Vec::new(), FewNumbers::default());
-        Self {
-            mesh: cells.mesh,
-            sides,
-            cells,
-            members,
-            blocks,
-            outlets,
-            node: u32::MAX,
-            found,
-            places,
-        }
+        Self { mesh: cells.mesh, sides, cells, members, outlets, node: u32::MAX, found, places }
     }
 
     /// Forgets all fans, and takes another node, with so many cells.
@@ -131,42 +118,32 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
         let (nodes, numbers) = (&self.mesh.cells()[cell as usize], self.sides.numbers(cell));
         let vertex = nodes.iter().position(|&node| node == self.node);
         let vertex = vertex.expect("sides of a fan have the node");
+        let (points, w) = (self.mesh.points(), self.cells.w);
+        let (origin, value) = (points[self.node as usize], w[self.node as usize]);
         let (mut others, mut sides, mut slot) = ([0; 3], [0; 3], 0);
+        let (mut edges, mut rises) = ([[0.0; 3]; 3], [0.0; 3]);
         for rank in 0..3 {
             let k = if rank < vertex { rank } else { rank + 1 };
             (others[rank], sides[rank]) = (nodes[k], numbers[k]);
             slot = if sides[rank] == side { rank } else { slot };
+            let edge = difference(points[nodes[k] as usize], origin);
+            edges[rank].iter_mut().zip(edge).for_each(|(place, x)| *place = x);
+            rises[rank] = w[nodes[k] as usize] - value;
         }
+        let shape = Tetrahedron::new(edges, rises);
+        let load = self.cells.load(cell, vertex, shape.volume());
         let mut leaves = [false; 3];
         leaves[slot] = self.members.get(parent.member).is_some_and(|before| cell < before.cell);
         self.members.push(Member {
             cell,
-            vertex,
             others,
             sides,
             leaves,
             outflows: [0.0; 3],
-            wanted: 0.0,
+            wanted: -shape.work.iter().sum::<f64>() - load,
+            shape,
             parent: Parent { slot, ..parent },
         });
-    }
-
-    /// Measures the cells, side by side.
-    pub(super) fn measure_cells(&mut self) {
-        let (points, w) = (self.mesh.points(), self.cells.w);
-        let (origin, value) = (points[self.node as usize], w[self.node as usize]);
-        self.blocks.clear();
-        for members in self.members.chunks(LANES) {
-            let mut block = Block::default();
-            for (lane, member) in members.iter().enumerate() {
-                for (k, other) in member.others.into_iter().enumerate() {
-                    let edge = difference(points[other as usize], origin);
-                    block.put(lane, k, &edge, w[other as usize] - value);
-                }
-            }
-            vectorised(|| block.measure());
-            self.blocks.push(block);
-        }
     }
 
     /// True if no side of the fan with the node is on the boundary.
@@ -188,15 +165,11 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
     /// from all cells in proportion to their volumes: then the outflows wanted from the cells and those through the
     /// boundary have the same sum.
     pub(super) fn prescribe(&mut self) {
-        let (mut reaction, mut stiffness, mut whole) = (0.0, 0.0, 0.0);
-        for (members, block) in self.members.chunks_mut(LANES).zip(&self.blocks) {
-            for (lane, member) in members.iter_mut().enumerate() {
-                let load = self.cells.load(member.cell, member.vertex, block.volume[lane]);
-                member.wanted = -(0..3).map(|k| block.work[k][lane]).sum::<f64>() - load;
-                reaction += member.wanted;
-                stiffness += block.stiffness[lane];
-                whole += block.volume[lane];
-            }
+        let (mut reaction, mut stiffness, mut volume) = (0.0, 0.0, 0.0);
+        for &Member { wanted, shape, .. } in &self.members {
+            reaction += wanted;
+            stiffness += shape.stiffness;
+            volume += shape.volume();
         }
         let mut kept = 0.0;
         if !self.is_closed() {
@@ -209,11 +182,9 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
             self.let_out(Condition::Fixed, through_fixed);
             kept = contact + through_fixed;
         }
-        let density = (reaction - kept) / whole;
-        for (members, block) in self.members.chunks_mut(LANES).zip(&self.blocks) {
-            for (member, volume) in members.iter_mut().zip(block.volume) {
-                member.wanted -= density * volume;
-            }
+        let density = (reaction - kept) / volume;
+        for member in &mut self.members {
+            member.wanted -= density * member.shape.volume();
         }
     }
 

@@ -345,7 +345,6 @@ impl<'a, const D: usize, const V: usize> Patches<'a, D, V> {
             fan.begin(node, around.count(node));
             while let Some(cell) = around.next(node, &fan.found, all) {
                 fan.find(cell);
-                fan.measure_cells();
                 fan.prescribe();
                 fan.carry();
                 circulations.minimise(fan);
