@@ -11,7 +11,6 @@ mod points;
 mod request;
 mod save;
 pub(super) mod study;
-mod truth;
 
 use super::interrupt::at_work;
 use super::name_parser;
@@ -239,6 +238,7 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     let solved = request.solved(problem, &mut shown);
     shown.end();
     let answer = Answer::new(&request, solved?);
+    let file = file.filter(|_| !answer.has_diverged());
     let written = file.as_ref().map_or(Ok(()), |file| write(args, (&request, &answer), file));
     // The answer is not lost with the file.
     if args.json {
@@ -251,10 +251,12 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     if let Some((file, _)) = file.filter(|_| !args.json) {
         tell(&format!("wrote {}\n", file.path().display()))?;
     }
-    let sentence =
-        answer.refusal().map(|failure| format!("{}: {}", request.name, failure.sentence()));
-    let refusal = sentence.map(|sentence| Error::Stage(vec![sentence]));
-    refusal.map_or(Ok(0), Err)
+    match answer.failure() {
+        None => Ok(0),
+        Some(failure) => {
+            Err(Error::Stage(vec![format!("{}: {}", request.name, failure.sentence())]))
+        }
+    }
 }
 
 /// Writes the file with an answer, or with its recovered solution.

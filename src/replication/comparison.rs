@@ -4,7 +4,7 @@ use super::paper::{Paper, PublishedTable};
 use crate::pipeline::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::identify::agrees;
-use signorini_mathematics::problem::text::Written;
+use signorini_mathematics::problem::text::{Written, percent};
 use std::fmt;
 
 /// Computed row of a table: iteration counts per grid and Delta a on the finest.
@@ -128,10 +128,9 @@ impl PublishedTable {
     fn tolerance(&self) -> String {
         let counts = match (self.count_share, self.count_slack) {
             (0.0, 0) => "counts equal the published ones".to_owned(),
-            (share, slack) => format!(
-                "counts differ by at most {} % or {slack} iterations",
-                (1000.0 * share).round() / 10.0
-            ),
+            (share, slack) => {
+                format!("counts differ by at most {} or {slack} iterations", percent(share, 3))
+            }
         };
         format!("{counts}, Delta a within a factor of {}", Written(self.delta_a_factor))
     }

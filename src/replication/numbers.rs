@@ -1,53 +1,105 @@
-//! Numbers of a solution: a row of the table of a study.
+//! Numbers of a solution: a row of the table of a study, with the names of its columns.
 
-use crate::replication::columns::{END, STOP, shown};
-use crate::replication::record::Record;
-use crate::replication::record::advice::Warning;
 use crate::replication::record::details::{details, settings};
 use crate::replication::record::levels::LevelNumbers;
+use crate::replication::record::{Advice, Record};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::levels::Reserve;
-use signorini_mathematics::problem::text::{interval, percent, plain};
-use signorini_mathematics::solvers::{Run, Solved, Solver};
+use signorini_mathematics::problem::text::{interval, known, percent, plain};
+use signorini_mathematics::solvers::{Solved, Solver};
 use signorini_mathematics::statement::Statement;
 
-/// Numbers of a solution, or the reason for which there is none; what a solver does not have is none.
+/// Columns of the numbers, in their order.
+pub(crate) const COLUMNS: [&str; 24] = [
+    "energy",
+    "energy_lower",
+    "energy_upper",
+    "error_relative",
+    "error_l2",
+    "error_h1",
+    "error_max",
+    "v_least",
+    "v_greatest",
+    "contact_length",
+    "contact_length_error",
+    "force",
+    "nodes",
+    "iterations",
+    "work_units",
+    "iterations_per_grid",
+    STOP,
+    "kkt_relative",
+    "delta_a",
+    "solver",
+    "reserve",
+    "warnings",
+    "remedy",
+    "reason",
+];
+
+/// Column of the end of the solver, and its name in studies of the stopping rule.
+pub(crate) const STOP: &str = "stop";
+pub(crate) const END: &str = "end";
+
+/// Returns the name of a column in words, as tables for a paper and charts have it.
+pub(crate) fn in_words(column: &str) -> String {
+    match column {
+        "error_relative" => "relative error".into(),
+        "kkt_relative" => "relative KKT residual".into(),
+        other => other.replace('_', " "),
+    }
+}
+
+/// Columns that stand beside one with digits that may not be known: what bounds its number.
+pub(crate) fn beside(column: &str) -> &'static [&'static str] {
+    match column {
+        "energy" => &["energy_lower", "energy_upper"],
+        "contact_length" => &["contact_length_error"],
+        _ => &[],
+    }
+}
+
+/// Returns the number in a column with so many digits; one of a true solution with those of them that are known by the
+/// numbers `of` the columns [`beside`] it.
+pub(crate) fn shown(
+    (column, digits): (&str, usize),
+    is_true: bool,
+    of: impl Fn(&str) -> Option<f64>,
+) -> Option<String> {
+    let number = of(column)?;
+    let bounds = beside(column).iter().map(|name| of(name).filter(|_| is_true));
+    let ends = match bounds.collect::<Option<Vec<f64>>>().as_deref() {
+        Some(&[lower, upper]) => Some([lower, upper]),
+        Some(&[error]) => Some([number - error, number + error]),
+        _ => None,
+    };
+    Some(known(number, ends, digits))
+}
+
+/// Numbers of a solution, or the reason for which there is none. What a solver does not have, or is no number, is none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Numbers {
-    /// Energy: that of v or, where the accuracy of the energy was asked for, the number of the bracket nearest to it.
-    pub(crate) energy: Option<f64>,
-    /// Guaranteed bracket of the energy.
-    pub(crate) energy_lower: Option<f64>,
-    pub(crate) energy_upper: Option<f64>,
-    /// Guaranteed bound of the error in the energy norm, over the solution; none where it is not below the solution.
-    pub(crate) error_relative: Option<f64>,
+    /// Numbers on the last level; of what is no solution without bounds.
+    #[serde(flatten)]
+    pub(crate) last: LevelNumbers,
     /// Errors of v in L2, in the H1 seminorm and at a node; none where the solution has no formula.
     pub(crate) error_l2: Option<f64>,
     pub(crate) error_h1: Option<f64>,
     pub(crate) error_max: Option<f64>,
-    /// Least and greatest nodal value.
-    pub(crate) v_least: Option<f64>,
-    pub(crate) v_greatest: Option<f64>,
     /// Length of the boundary in contact, with ends within the cell; in space the area of the nodes in contact.
     pub(crate) contact_length: Option<f64>,
     /// Distance within which the length of a true solution lies, as estimated.
     pub(crate) contact_length_error: Option<f64>,
     /// Contact force: the flux through the boundary where the law holds.
     pub(crate) force: Option<f64>,
-    pub(crate) nodes: Option<usize>,
-    pub(crate) iterations: Option<usize>,
     /// Cost in sweeps of the finest level, those of coarser levels included; none of factors and true solutions.
     pub(crate) work_units: Option<f64>,
     /// Iterations on each of the nested grids or meshes of a saddle-point method, coarsest first.
     pub(crate) iterations_per_grid: Option<Vec<usize>>,
-    /// Name of the end of the solver.
-    pub(crate) stop: Option<String>,
     /// KKT residual over the largest load; none of a true solution.
     pub(crate) kkt_relative: Option<f64>,
-    /// Last change of the multiplier of a saddle-point method.
-    pub(crate) delta_a: Option<f64>,
     /// Solver that found it.
     pub(crate) solver: String,
     /// Approximations that the bounds leave out; none if there are none.
@@ -65,43 +117,31 @@ pub(crate) struct Numbers {
 }
 
 impl Numbers {
-    /// Numbers of the answer to a statement; of what is no solution without bounds.
+    /// Numbers of the answer to a statement.
     pub(crate) fn of(statement: &Statement, solved: &Solved, record: &Record) -> Self {
-        let bounds = solved.last_bounds().filter(|_| record.failure.is_none());
-        let energy = solved.energy();
-        let relative = bounds.map(Bounds::relative).filter(|relative| relative.is_finite());
+        let bounds = solved.last_bounds().filter(|_| record.is_solution);
         let (run, errors) = (solved.run(), solved.errors());
-        let (last, truth) = (run.map(Run::last), solved.truth());
-        let is_bounded = statement.accuracy().is_some();
-        let stop = last.map_or(CONVERGED, |last| last.name_of(is_bounded));
+        let levels = LevelNumbers::all(statement, solved);
+        let last = levels.last().cloned().unwrap_or_default().with(bounds);
         let counts = solved.ends().iter().map(|end| end.end.iterations);
         let reserves = solved.reserves().into_iter().map(Reserve::name).collect::<Vec<_>>();
         Self {
-            energy: Some(energy).filter(|energy| energy.is_finite()),
-            energy_lower: bounds.map(|bounds| bounds.energy[0]),
-            energy_upper: bounds.map(|bounds| bounds.energy[1]),
-            error_relative: relative,
             error_l2: errors.map(|errors| errors.l2),
             error_h1: errors.map(|errors| errors.h1),
             error_max: errors.map(|errors| errors.max),
-            v_least: last.map(|last| last.range[0]),
-            v_greatest: last.map(|last| last.range[1]),
             contact_length: Some(solved.contact_length()),
             contact_length_error: solved.contact_length_error(),
             force: Some(solved.force()),
-            nodes: last.map(|last| last.nodes),
-            iterations: last.map(|last| last.end.iterations).or(truth.map(|found| found.steps)),
             work_units: work_units(solved),
             iterations_per_grid: statement.solver.is_nested().then(|| counts.collect()),
-            stop: Some(stop.into()),
-            kkt_relative: last.map(|last| last.kkt.relative),
-            delta_a: last.and_then(|last| last.end.delta_a),
+            kkt_relative: run.map(|run| run.last().kkt.relative),
             solver: run.map_or(statement.solver, |run| run.solver).to_string(),
             reserve: (bounds.is_some() && !reserves.is_empty()).then(|| reserves.join(" ")),
             warnings: record.facts(),
             remedy: record.remedy(),
-            reason: record.refusal().map(Warning::sentence),
-            details: details(statement, solved, record),
+            reason: record.failure.as_ref().map(Advice::sentence),
+            details: details(statement, solved, record, &levels),
+            last,
         }
     }
 
@@ -114,12 +154,12 @@ impl Numbers {
 
     /// True for what is no solution, with the numbers where the solver ended.
     pub(crate) fn is_no_solution(&self) -> bool {
-        self.reason.is_some() && self.nodes.is_some()
+        self.reason.is_some() && self.last.nodes.is_some()
     }
 
     /// Guaranteed bounds; none where there are none, or no solution.
     pub(crate) fn bounds(&self) -> Option<Bounds> {
-        self.energy_lower?;
+        self.last.energy_lower?;
         Bounds::deserialize(self.details.get("bound")?).ok()
     }
 
@@ -175,15 +215,7 @@ impl Numbers {
             Some(levels @ Value::Array(_)) => {
                 Vec::deserialize(levels).expect("levels are read as they are written")
             }
-            _ => {
-                let numbers = LevelNumbers {
-                    iterations: self.iterations.unwrap_or_default(),
-                    stop: self.stop.clone().unwrap_or_default(),
-                    energy: self.energy,
-                    ..LevelNumbers::default()
-                };
-                vec![numbers.with(self.bounds().as_ref())]
-            }
+            _ => vec![self.last.clone()],
         }
     }
 
@@ -206,7 +238,8 @@ impl Numbers {
         let mut answer = self.json();
         if answer.contains_key("unknowns") {
             let settings = settings(statement).into_iter();
-            let settings: Map<_, _> = settings.map(|(name, of)| (name.to_owned(), of)).collect();
+            let settings: Map<_, _> =
+                settings.map(|(name, of)| (name.to_owned(), of.json())).collect();
             answer.insert("settings".into(), settings.into());
         }
         answer
@@ -270,21 +303,15 @@ fn cell(value: &Value) -> String {
     }
 }
 
-/// Name of the end of the spectral solver.
-pub(crate) const CONVERGED: &str = "converged";
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::replication::columns::COLUMNS;
 
     #[test]
     fn every_column_is_a_field() {
         let numbers = serde_json::to_value(Numbers::default()).unwrap();
-        let mut fields: Vec<_> = numbers.as_object().unwrap().keys().map(String::as_str).collect();
-        let mut known = COLUMNS.to_vec();
-        fields.sort_unstable();
-        known.sort_unstable();
-        assert_eq!(fields, known);
+        for column in COLUMNS {
+            assert!(numbers.get(column).is_some(), "{column}");
+        }
     }
 }

@@ -1,30 +1,45 @@
 //! Record of an answer: the failure, the warnings and the remedy that `solve`, `run`, studies, tables and Python give.
 //!
-//! Central is [`Judge::record`], the one judge of answers; [`advice`] has the words.
+//! Central is [`Record::of`]: the mathematics judges, [`Adviser`] has the remedies in the words of whoever asked.
 
-pub(crate) mod advice;
+mod advice;
 pub(crate) mod details;
-mod judging;
 pub(crate) mod levels;
 
-pub(crate) use judging::{CONTACT_FORCE, FLUX, Judge, load_misses};
+pub(crate) use advice::{Advice, Adviser};
 
-use advice::{Remedy, Warning, combined, remedies};
+use crate::replication::fields::table::Voice;
+use advice::{Remedy, combined};
+use signorini_mathematics::solvers::Solved;
+use signorini_mathematics::statement::{Failure, Judged, Statement};
 
 /// Warnings and failure of an answer, beside its numbers.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Record {
-    pub(crate) warnings: Vec<Warning>,
-    /// Reason why the answer is no solution.
-    pub(crate) failure: Option<Warning>,
-    /// Reason why the solution is not as accurate as asked.
-    pub(crate) shortfall: Option<Warning>,
+    pub(crate) warnings: Vec<Advice>,
+    /// Reason why the answer is not what was asked for.
+    pub(crate) failure: Option<Advice>,
+    /// False if the answer is no solution, whatever its accuracy.
+    pub(crate) is_solution: bool,
 }
 
 impl Record {
-    /// Reason why the answer is not what was asked for.
-    pub(crate) fn refusal(&self) -> Option<&Warning> {
-        self.failure.as_ref().or(self.shortfall.as_ref())
+    /// Judges the answer to a statement, with remedies in this voice.
+    pub(crate) fn of((statement, voice): (&Statement, Voice), solved: &Solved) -> Self {
+        let Judged { warnings, failure } = statement.judged(solved);
+        let found_by = solved.run().map_or(statement.solver, |run| run.solver);
+        let adviser = Adviser { statement, voice, found_by };
+        let warnings: Vec<_> = warnings.iter().map(|of| adviser.on_warning(of)).collect();
+        let is_solution = failure.as_ref().is_none_or(Failure::is_of_accuracy);
+        let failure = failure.map(|failure| {
+            let mut advice = adviser.on_failure(&failure);
+            // Any of the doubts may be the reason.
+            if let Failure::NotSolved { .. } = failure {
+                advice.remedies.extend(remedies(&warnings));
+            }
+            advice
+        });
+        Self { warnings, failure, is_solution }
     }
 
     /// Facts of the warnings, without advice.
@@ -32,37 +47,64 @@ impl Record {
         self.warnings.iter().map(|warning| warning.fact.clone()).collect()
     }
 
-    /// Returns one advice for the failure and all warnings; what is no solution has its own.
+    /// Returns one remedy for the failure and all warnings; what is no solution has its own.
     pub(crate) fn remedy(&self) -> Option<String> {
-        let mut all: Vec<Remedy> = Vec::new();
-        all.extend(self.refusal().into_iter().flat_map(|failure| failure.remedies.clone()));
-        if self.failure.is_none() {
+        let mut all: Vec<Remedy> =
+            self.failure.iter().flat_map(|failure| failure.remedies.clone()).collect();
+        if self.is_solution {
             all.extend(remedies(&self.warnings));
         }
         (!all.is_empty()).then(|| combined(&all))
     }
+
+    /// Returns the warnings a line each; where several have a remedy, the last line has one remedy for all. If the
+    /// answer is no solution, the error has the remedy.
+    pub(crate) fn lines(&self) -> String {
+        let remedies = remedies(&self.warnings);
+        let mut text = String::new();
+        for warning in &self.warnings {
+            let is_whole = remedies.len() < 2 && self.is_solution;
+            let shown = if is_whole { warning.sentence() } else { warning.fact.clone() };
+            text += &format!("warning: {shown}\n");
+        }
+        if remedies.len() > 1 && self.is_solution {
+            text += &format!("remedy for all: {}\n", combined(&remedies));
+        }
+        text
+    }
 }
 
-/// Texts, each once, with those of whom they are said, in the order of the first.
-#[derive(Default)]
-pub(crate) struct Grouped(Vec<(String, Vec<String>)>);
+/// Remedies of warnings, in their order.
+fn remedies(warnings: &[Advice]) -> Vec<Remedy> {
+    warnings.iter().flat_map(|warning| warning.remedies.clone()).collect()
+}
 
-impl Grouped {
-    /// Adds a text that is said of `whom`.
-    pub(crate) fn add(&mut self, text: String, whom: String) {
-        match self.0.iter_mut().find(|(known, _)| *known == text) {
-            Some((_, all)) => all.push(whom),
-            None => self.0.push((text, vec![whom])),
-        }
-    }
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-    /// The first texts, `most` of them.
-    pub(crate) fn first(&self, most: usize) -> &[(String, Vec<String>)] {
-        &self.0[..self.0.len().min(most)]
-    }
-
-    /// Number of the other texts.
-    pub(crate) fn beyond(&self, most: usize) -> usize {
-        self.0.len().saturating_sub(most)
+    #[test]
+    fn warnings_have_their_remedies_or_one_for_all() {
+        let warning = |fact: &str, remedies: &[Remedy]| Advice {
+            fact: fact.into(),
+            remedies: remedies.to_vec(),
+        };
+        let load = Remedy::field("use ", "--load exact".into());
+        let solver = Remedy::field("use this, or ", "--solver multigrid".into());
+        let warnings = [warning("a", &[solver]), warning("b", &[]), warning("c", &[load])];
+        let record = |count: usize, is_solution| Record {
+            warnings: warnings[..count].to_vec(),
+            failure: None,
+            is_solution,
+        };
+        assert_eq!(
+            record(2, true).lines(),
+            "warning: a; use this, or --solver multigrid\nwarning: b\n"
+        );
+        let facts = "warning: a\nwarning: b\nwarning: c\n";
+        let remedy = "use --load exact --solver multigrid";
+        assert_eq!(record(3, true).lines(), format!("{facts}remedy for all: {remedy}\n"));
+        assert_eq!(record(3, true).remedy().unwrap(), remedy);
+        assert_eq!((record(3, false).lines(), record(3, false).remedy()), (facts.into(), None));
     }
 }

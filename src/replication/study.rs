@@ -1,12 +1,10 @@
 //! Studies: scenes whose members have other values of some fields, or of names in f.
 
-use crate::replication::columns::{COLUMNS, END, STOP, beside};
 use crate::replication::fields::keys::{AxisName, ChartFields};
 use crate::replication::fields::lists::repeated;
 use crate::replication::fields::member::{Member, Varying, in_words};
 use crate::replication::fields::table::{Field, Reading, Refused, field};
-use crate::replication::numbers::Numbers;
-use crate::replication::record::Grouped;
+use crate::replication::numbers::{COLUMNS, END, Numbers, STOP, beside};
 use crate::table::Table;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -197,6 +195,19 @@ impl Study {
         marks
     }
 
+    /// Returns the columns of a table of members for a page, from the table with few digits: those that are shown, or
+    /// else what is varied, and marks.
+    pub(crate) fn page(&self, table: &Table, all: &[Numbers]) -> Table {
+        let marks = self.marks(all);
+        let order =
+            [self.columns.clone(), marks.iter().map(ToString::to_string).collect()].concat();
+        let page = table.with_columns(|column| self.shows(column) || marks.contains(&column));
+        match page.head.is_empty() {
+            true => table.with_columns(|column| self.varies(column)),
+            false => page.in_order(&order),
+        }
+    }
+
     /// Returns a table with the number of warnings in place of their sentences.
     pub(crate) fn counted(table: &Table, all: &[Numbers]) -> Table {
         let mut table = table.clone();
@@ -208,35 +219,39 @@ impl Study {
         table
     }
 
-    /// Returns the reasons for which members have no solution, and all warnings, each once with the members, for the
-    /// first `most` of both.
-    pub(crate) fn remarks(&self, all: &[Numbers], most: usize) -> String {
-        let (mut reasons, mut warnings) = (Grouped::default(), Grouped::default());
-        for (member, numbers) in self.members.iter().zip(all) {
+    /// Returns the reasons for which members have no solution, and all warnings, each once with the members, in a line
+    /// each, for the first `most` of both.
+    pub(crate) fn remarks<'a>(
+        &self,
+        found: impl IntoIterator<Item = (&'a Member, &'a Numbers)>,
+        most: usize,
+    ) -> Vec<String> {
+        let (mut reasons, mut warnings) = (Vec::new(), Vec::new());
+        for (member, numbers) in found {
             let whom = in_words(&self.names, self.values(member));
             // The remedy is that of the failure, which has it already.
             let remedy = numbers.remedy.as_ref().filter(|_| numbers.reason.is_none());
-            let remedy = remedy.map_or(String::new(), |text| format!("; {text}"));
             if !numbers.warnings.is_empty() {
-                warnings.add(numbers.warnings.join("; ") + &remedy, whom.clone());
+                let sentences = numbers.warnings.iter().chain(remedy);
+                add(&mut warnings, sentences.cloned().collect::<Vec<_>>().join("; "), &whom);
             }
-            numbers.reason.iter().for_each(|reason| reasons.add(reason.clone(), whom.clone()));
+            numbers.reason.iter().for_each(|reason| add(&mut reasons, reason.clone(), &whom));
         }
-        let mut text = String::new();
-        for (grouped, what) in [(reasons, "no solution"), (warnings, "warning")] {
-            for (sentence, members) in grouped.first(most) {
-                let more = match members.len() {
+        let mut lines = Vec::new();
+        for (remarks, what) in [(reasons, "no solution"), (warnings, "warning")] {
+            for Remark { sentence, first, members } in remarks.iter().take(most) {
+                let with = if first.is_empty() { "" } else { " with " };
+                let more = match members {
                     1 => String::new(),
                     count => format!(" ({count} members)"),
                 };
-                text += &format!("{what} with {}{more}: {sentence}\n", members[0]);
+                lines.push(format!("{what}{with}{first}{more}: {sentence}"));
             }
-            let more = grouped.beyond(most);
-            if more > 0 {
-                text += &format!("{what} for {more} more reasons\n");
+            if remarks.len() > most {
+                lines.push(format!("{what} for {} more reasons", remarks.len() - most));
             }
         }
-        text
+        lines
     }
 
     /// Names of the columns of numbers.
@@ -253,6 +268,23 @@ impl Study {
         }
         columns.extend(self.found().into_iter().filter(|column| !TEXTS.contains(column)));
         columns
+    }
+}
+
+/// Sentence on members of a study.
+struct Remark {
+    sentence: String,
+    /// Values of the first member.
+    first: String,
+    /// Number of the members.
+    members: usize,
+}
+
+/// Adds a sentence on a member to those on others.
+fn add(remarks: &mut Vec<Remark>, sentence: String, whom: &str) {
+    match remarks.iter_mut().find(|known| known.sentence == sentence) {
+        Some(known) => known.members += 1,
+        None => remarks.push(Remark { sentence, first: whom.to_owned(), members: 1 }),
     }
 }
 

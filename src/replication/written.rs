@@ -1,14 +1,10 @@
-//! Refusals of statements and solvers, in the words in which a user has asked; words for an accuracy, and for the ways
-//! to it that end elsewhere.
+//! Refusals of statements and solvers, in the words in which a user has asked.
 
-use super::record::Judge;
-use super::record::advice::{Remedy, Warning};
+use super::record::Adviser;
 use crate::pipeline::error::Error;
 use crate::replication::fields::table::Voice;
-use signorini_mathematics::bounds::Accuracy;
-use signorini_mathematics::problem::text::percent;
-use signorini_mathematics::solvers::{MOST_CELLS, ReachEnd, Refusal, Solved, Solver};
-use signorini_mathematics::statement::{Statement, StatementError};
+use signorini_mathematics::solvers::{Refusal, Solver};
+use signorini_mathematics::statement::{Failure, Statement, StatementError};
 
 impl Voice {
     /// Returns the error of a statement that states no problem.
@@ -32,8 +28,9 @@ impl Voice {
         match refusal {
             // The integral of f has been judged before.
             Refusal::Unbalanced { level, sum_load, .. } => {
-                let judge = Judge { statement, voice: self, is_papers: false };
-                Error::Stage(vec![judge.unbalanced(level, *sum_load).sentence()])
+                let adviser = Adviser { statement, voice: self, found_by: statement.solver };
+                let failure = Failure::NoSolution { level: level.clone(), sum_load: *sum_load };
+                Error::Stage(vec![adviser.on_failure(&failure).sentence()])
             }
             Refusal::GridSize(e) => Error::input(format!("{}: {e}", self.name("h"))),
             Refusal::NotInSpace(_) => {
@@ -67,87 +64,5 @@ impl Voice {
             (e, false) => format!("{asked}: {e}"),
         };
         Some(Error::input(text))
-    }
-
-    /// Returns why an answer is not as accurate as asked; none if it is, or is no solution.
-    pub(crate) fn shortfall(self, accuracy: Accuracy, solved: &Solved) -> Option<Warning> {
-        let reached = solved.reached.as_ref()?;
-        let asked = self.accuracy(accuracy);
-        let [less_or_spectral, needs_no_grid] = match self {
-            Self::Options | Self::OverScene => {
-                ["ask for less, or use --solver spectral", "--solver spectral needs no grid"]
-            }
-            Self::Keys => [
-                "ask for less, or use solver = \"spectral\"",
-                "solver = \"spectral\" needs no grid",
-            ],
-        };
-        let (fact, remedy) = match reached.end {
-            ReachEnd::Goal | ReachEnd::NoSolution => return None,
-            ReachEnd::Finest { needed: Some(needed), best } => {
-                let best = match best {
-                    f64::INFINITY => "does not reach half".into(),
-                    best => format!("reaches about {best:.1e}"),
-                };
-                let grid = match needed < 1e6 {
-                    true => format!("of about 1/{needed:.0}"),
-                    false => "finer than 1/1000000".into(),
-                };
-                let fact =
-                    format!("takes a grid {grid}, too fine for memory; 1/{MOST_CELLS} {best}");
-                (fact, needs_no_grid)
-            }
-            ReachEnd::Rounding { least } if reached.marks.is_none() => {
-                (format!("is not reached: rounding errors leave {least:.1e}"), less_or_spectral)
-            }
-            end => {
-                let bounds = solved.last_bounds()?;
-                let error = error(accuracy, accuracy.reached(bounds));
-                let [nodes, _] = solved.problem.lengths();
-                let fact = format!("is not reached: {error} with {nodes} nodes; {}", reason(end));
-                let less =
-                    if solved.problem.takes_spectral() { less_or_spectral } else { "ask for less" };
-                (fact, remedy(end, solved, less))
-            }
-        };
-        Some(Warning::new(format!("{asked} {fact}"), Remedy::of_words(remedy)))
-    }
-}
-
-/// Bound that was reached, in words.
-pub(crate) fn error(accuracy: Accuracy, reached: f64) -> String {
-    let percent = percent(reached, 3);
-    match accuracy {
-        _ if !reached.is_finite() => "error not below the solution".into(),
-        Accuracy::Error(_) => format!("error at most {percent}"),
-        Accuracy::Energy(_) => format!("error of the energy at most {percent}"),
-    }
-}
-
-/// Reason for the end on adapted meshes, in words.
-pub(crate) fn reason(end: ReachEnd) -> &'static str {
-    match end {
-        ReachEnd::Goal | ReachEnd::NoSolution => "the error is as small as asked",
-        ReachEnd::Finest { .. } => "a finer mesh takes more memory than is left",
-        ReachEnd::MostNodes { .. } => "a finer mesh has more nodes than was asked for",
-        ReachEnd::Interrupted { .. } => "interrupted",
-        ReachEnd::Rounding { .. } => "the bound of the error no longer falls",
-    }
-}
-
-/// Remedy for an end on adapted meshes without the accuracy; `less` where nothing but a smaller accuracy helps.
-fn remedy(end: ReachEnd, solved: &Solved, less: &'static str) -> &'static str {
-    let has_converged = solved.ends().last().is_none_or(|last| last.end.has_converged());
-    match end {
-        ReachEnd::MostNodes { .. } => "raise --most-nodes",
-        ReachEnd::Interrupted { .. } => "let it run to its end",
-        ReachEnd::Rounding { .. } if !has_converged => {
-            "the solver has not converged there: mesh with smaller aspects"
-        }
-        ReachEnd::Rounding { least: f64::INFINITY } => "leave it out where v = 0",
-        ReachEnd::Rounding { .. } if solved.problem.levels().facts().by_quadrature => {
-            "ask for less, or write jumps of f as shapes"
-        }
-        _ => less,
     }
 }

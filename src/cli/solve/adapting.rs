@@ -5,7 +5,6 @@ use super::clock::turning;
 use crate::cli::interrupt::interrupted;
 use crate::pipeline::{bar, talk};
 use crate::replication::fields::table::Voice;
-use crate::replication::written::error;
 use indicatif::ProgressBar;
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::levels::Problem;
@@ -64,7 +63,7 @@ impl ShownMeshes {
         let bound = bounds.as_ref().map(|bounds| accuracy.reached(bounds));
         let reached = bound.as_ref().ok().copied().filter(|reached| reached.is_finite());
         let error = match bound {
-            Ok(reached) => error(accuracy, reached),
+            Ok(reached) => accuracy.in_words(reached),
             Err(reason) => format!("no bound: {reason}"),
         };
         let line = format!("mesh {}: {nodes} nodes, {error}", self.meshes);

@@ -1,26 +1,26 @@
 //! Answer of `solve`: the solution, its judgement apart from the solvers, and both as JSON and as text.
 
-use super::bound;
-use super::clock::Part;
+use super::bound::{self, TEN};
+use super::clock::{Part, turning};
+use super::points;
 use super::request::Request;
-use super::{points, truth};
 use crate::cli::output::{in_columns, paragraph};
 use crate::replication::numbers::Numbers;
-use crate::replication::record::advice::{self, Warning};
-use crate::replication::record::details;
-use crate::replication::record::{Record, load_misses};
-use crate::replication::written::reason;
+use crate::replication::record::{Advice, Record, details};
 use crate::table::Table;
+use indicatif::ProgressBar;
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::mesh::PointValue;
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::problem::text::{Written, plain};
+use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{Run, Solved, Solver};
+use signorini_mathematics::spectral::TrueSolution;
 
-/// Digits of an energy, unless more are asked for.
+/// Digits of an energy, unless more are asked for, and the most that a number has.
 const DIGITS: usize = 7;
+const ALL_DIGITS: usize = 16;
 
 /// Returns numbers of boundary nodes by their states in words.
 fn states_in_words([sticks, slips_up, slips_down]: [usize; 3], law: Law) -> String {
@@ -45,7 +45,7 @@ pub(super) struct Answer {
 impl Answer {
     pub(super) fn new(request: &Request, solved: Solved) -> Self {
         let values = solved.values_at(&request.points);
-        let record = request.judge().record(&solved);
+        let record = Record::of((&request.statement, request.voice), &solved);
         let numbers = Numbers::of(&request.statement, &solved, &record);
         if solved.run().is_some() {
             request.clock.ended(Part::Bounds);
@@ -57,7 +57,13 @@ impl Answer {
     pub(super) fn pair(&self) -> Pair {
         match self.solved.truth() {
             None => self.solved.pair(),
-            Some(_) => truth::shown(self.solved.problem.lengths(), || self.solved.pair()),
+            Some(_) => {
+                let [nodes, _] = self.solved.problem.lengths();
+                let bar = turning(&format!("v at {nodes} nodes"));
+                let pair = self.solved.pair();
+                bar.inspect(ProgressBar::finish_and_clear);
+                pair
+            }
         }
     }
 
@@ -65,7 +71,9 @@ impl Answer {
     fn energy_in_words(&self, request: &Request, run: &Run) -> String {
         let of_v = run.last().energy;
         let digits = match request.statement.accuracy() {
-            Some(Accuracy::Energy(wanted)) => DIGITS.max(2 + (-libm::log10(wanted)) as usize),
+            Some(Accuracy::Energy(wanted)) => {
+                ((2.0 - libm::log10(wanted)) as usize).clamp(DIGITS, ALL_DIGITS)
+            }
             _ => DIGITS,
         };
         let mut text = format!("energy {}\n", self.numbers.shown_energy(digits));
@@ -90,9 +98,14 @@ impl Answer {
         json.into()
     }
 
+    /// True if no value is a number, so that the ends on the levels are all that is known.
+    pub(super) fn has_diverged(&self) -> bool {
+        self.solved.ends().last().is_some_and(|last| last.end.has_diverged())
+    }
+
     /// Reason why the answer is not what was asked for.
-    pub(super) fn refusal(&self) -> Option<&Warning> {
-        self.record.refusal()
+    pub(super) fn failure(&self) -> Option<&Advice> {
+        self.record.failure.as_ref()
     }
 
     /// Returns the answer, then how it was found, and v at points unless a file has it; with `recover`, the recovered
@@ -102,16 +115,18 @@ impl Answer {
         let (name, f) = (&request.name, &levels.facts().f);
         let integral = plain(self.solved.integral(), 4);
         let mut text = format!("{name}: f = {f}, integral {integral}\n");
-        if self.record.failure.is_some() {
+        if !self.record.is_solution {
             text += "not a solution, but where the solver ended:\n";
         }
         match (self.solved.truth(), self.solved.run()) {
             (Some(found), _) => {
-                text += &truth::text(&self.solved, &self.numbers);
+                text += &self.truth(found);
                 text += &request.clock.text("setup", &format!(" ({} Newton steps)", found.steps));
             }
             (None, Some(run)) => {
-                text += &self.solution(request, run, recover);
+                if !self.has_diverged() {
+                    text += &self.solution(request, run, recover);
+                }
                 text += &self.method(request, run);
             }
             (None, None) => {}
@@ -120,7 +135,18 @@ impl Answer {
         if !points_in_file {
             text += &points::text(&self.values, digits);
         }
-        text + &advice::lines(&self.record.warnings, self.record.failure.is_some())
+        text + &self.record.lines()
+    }
+
+    /// Returns a true solution in words.
+    fn truth(&self, found: &TrueSolution) -> String {
+        let law = self.solved.problem.law();
+        let law = if law.is_signorini() { String::new() } else { format!("law {law}\n") };
+        let energy =
+            self.numbers.shown_energy(if found.bracket.is_ok() { ALL_DIGITS } else { TEN });
+        let bounds = bound::text(&self.numbers, false) + &bound::boundary(&self.solved);
+        let checks = paragraph(&format!("checks: {}\n", found.checks));
+        format!("{law}energy {energy}\n{bounds}{checks}")
     }
 
     /// Returns what was asked for: the energy with its bounds, v, and the contact.
@@ -155,12 +181,7 @@ impl Answer {
             };
         }
         text.push('\n');
-        text += &bound::boundary(&self.solved);
-        if load_misses(problem, last) {
-            let minus_sum = plain(0.0 - last.sum_load, 6);
-            text += &format!("minus the sum of the load {minus_sum}\n");
-        }
-        text
+        text + &bound::boundary(&self.solved)
     }
 
     /// Returns how the answer was found: the solver with its settings, the levels, and the time.
@@ -172,13 +193,8 @@ impl Answer {
             Some(way) => Some(format!("{} {} meshes", way.tried, way.kind())),
             None => request.refined(problem.finest()),
         });
-        for (name, value) in details::settings(&request.statement) {
-            settings.push(match (value.as_str(), value.as_f64()) {
-                (Some(text), _) => format!("{name} {text}"),
-                (None, Some(number)) => format!("{name} {}", Written(number)),
-                (None, None) => format!("{name} {value}"),
-            });
-        }
+        let named = details::settings(&request.statement).into_iter();
+        settings.extend(named.map(|(name, value)| format!("{name} {value}")));
         let mut text = paragraph(&settings.join(", ")) + "\n";
         if !request.overridden.is_empty() {
             text += &format!("not as in the scene: {}\n", request.overridden.join(", "));
@@ -196,7 +212,7 @@ impl Answer {
     /// Returns the end of the way to an accuracy on meshes, the last with so many nodes.
     fn end_of_meshes(&self, nodes: usize) -> Option<String> {
         let way = self.solved.way()?;
-        let (tried, reason) = (way.tried, reason(way.end));
+        let (tried, reason) = (way.tried, way.end.in_words());
         Some(format!("{tried} meshes, the last of {nodes} nodes: {reason}\n"))
     }
 

@@ -1,7 +1,6 @@
 //! Text on an answer: guaranteed bounds of its error and of the true energy, and the contact found.
 
 use crate::replication::numbers::{Numbers, with_share};
-use crate::replication::record::{CONTACT_FORCE, FLUX};
 use signorini_mathematics::problem::text::{known, plain};
 use signorini_mathematics::solvers::Solved;
 
@@ -31,10 +30,8 @@ pub(super) fn boundary(solved: &Solved) -> String {
     let rounding = problem.levels().facts().rounding();
     let error = solved.truth().map(|found| found.unbalanced.max(rounding));
     let digits = if error.is_some() { TEN } else { SIX };
-    let [holds, total] = match law.is_signorini() {
-        true => ["contact", CONTACT_FORCE],
-        false => ["sticks", FLUX],
-    };
+    let (holds, total) =
+        (if law.is_signorini() { "contact" } else { "sticks" }, law.name_of_force());
     let arcs = solved.contact().unwrap_or_default();
     let has_parts = arcs.iter().any(|arc| arc.part.is_some())
         && problem.levels().mesh(0).part_names().nth(1).is_some();

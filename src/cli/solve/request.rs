@@ -1,7 +1,6 @@
 //! Request of `solve`: the problem, the solver and its settings.
 
 use super::SolveArgs;
-use super::adapting::of_meshes;
 use super::clock::{Clock, Part};
 use super::files::{Format, PictureKind, Solution};
 use crate::cli::output::OutputFile;
@@ -12,7 +11,6 @@ use crate::replication::fields::Fields;
 use crate::replication::fields::read::{is_problem_of, overridden};
 use crate::replication::fields::table::{Reading, Voice};
 use crate::replication::mesh_files;
-use crate::replication::record::Judge;
 use crate::replication::scene::Scene;
 use crate::timing::machine;
 use signorini_mathematics::levels::Problem;
@@ -38,8 +36,6 @@ pub(super) struct Request {
     pub statement: Statement,
     /// Way in which the accuracy is written.
     pub voice: Voice,
-    /// True for a scene of a published table.
-    is_papers: bool,
     /// Options that differ from the scene, in words.
     pub overridden: Vec<String>,
     /// Points at which v is shown.
@@ -104,7 +100,6 @@ impl Request {
             print: Print { width: args.width.clone(), title: !args.no_title },
             statement,
             voice,
-            is_papers: scene_of_problem.is_some_and(|scene| scene.paper_table.is_some()),
             overridden,
             points: args.points.points(&problem)?,
             memory,
@@ -115,21 +110,9 @@ impl Request {
 
     /// Solves, without an answer in words; for an accuracy the watcher is shown each grid or mesh.
     pub(super) fn solved(&self, problem: Problem, watcher: &mut dyn Watcher) -> Result<Solved> {
-        let Self { statement, voice, .. } = self;
         let steps = |step| self.clock.ended_step(step);
-        let solved = statement.solve(problem, self.memory, watcher, &steps);
-        let solved = solved.map_err(|e| self.refused(&e))?;
-        if let Some(diverged) = self.judge().diverged(&solved) {
-            return Err(Error::Stage(vec![format!("{}: {}", self.name, diverged.sentence())]));
-        }
-        let shortfall = statement.accuracy().and_then(|of| voice.shortfall(of, &solved));
-        match shortfall {
-            // The last of the adapted meshes has an answer.
-            Some(shortfall) if of_meshes(statement).is_none() => {
-                Err(Error::input(shortfall.sentence()))
-            }
-            _ => Ok(solved),
-        }
+        let solved = self.statement.solve(problem, self.memory, watcher, &steps);
+        solved.map_err(|e| self.refused(&e))
     }
 
     /// Writes a file with a solution on the finest level of a problem.
@@ -144,12 +127,6 @@ impl Request {
         let written = solution.write(file, *format);
         self.clock.ended(Part::Files);
         written
-    }
-
-    /// Judge of the answer.
-    pub(super) fn judge(&self) -> Judge<'_> {
-        let Self { statement, voice, is_papers, .. } = self;
-        Judge { statement, voice: *voice, is_papers: *is_papers }
     }
 
     /// Returns, on a mesh, how fine it is after so many refinements.

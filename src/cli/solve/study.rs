@@ -188,7 +188,8 @@ pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
     } else {
         let head = paragraph(&format!("{}\n", asked.title));
         say(&(head + &in_columns(&for_people(study, &solved))))?;
-        tell(&paragraph(&study.remarks(&solved, MOST_REMARKS)))
+        let remarks = study.remarks(study.members.iter().zip(&solved), MOST_REMARKS);
+        tell(&paragraph(&remarks.iter().map(|line| format!("{line}\n")).collect::<String>()))
     }?;
     csv.transpose()?;
     if let Some(file) = file.filter(|_| !args.json) {
@@ -250,9 +251,9 @@ fn for_people(study: &Study, solved: &[Numbers]) -> Table {
         let mut row: Vec<String> = study.values(member).map(|value| value.to_string()).collect();
         let digits = [("contact_length", 4), ("force", 4), ("v_least", 4), ("v_greatest", 4)];
         row.push(of.shown_energy(7));
-        row.push(of.error_relative.map_or(String::new(), |error| percent(error, 3)));
+        row.push(of.last.error_relative.map_or(String::new(), |error| percent(error, 3)));
         row.extend(of.shown(digits));
-        row.push(of.nodes.map_or(String::new(), |nodes| nodes.to_string()));
+        row.push(of.last.nodes.map_or(String::new(), |nodes| nodes.to_string()));
         for &mark in &marks {
             row.push(match mark {
                 WARNINGS => count_of(of),

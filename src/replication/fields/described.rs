@@ -4,7 +4,6 @@ use super::Fields;
 use super::table::{Domains, FIELDS, Field};
 use clap::{Arg, Args, Command};
 use serde::Serialize;
-use signorini_mathematics::solvers::{SOLVERS, Solver};
 
 /// Fields of a statement in words.
 #[derive(Debug, Serialize)]
@@ -108,16 +107,7 @@ impl Field {
 
     /// Solvers and domains that have the field, in words; nothing if all have.
     fn goes_with(&self) -> String {
-        let takers = self.takers();
-        let others = SOLVERS.iter().map(|entry| entry.solver).filter(|one| !takers.contains(one));
-        let others: Vec<_> = others.map(|solver| solver.to_string()).collect();
-        let names: Vec<_> = takers.iter().map(Solver::to_string).collect();
-        let solvers = match () {
-            () if others.is_empty() => String::new(),
-            () if takers == Solver::nested() => "the saddle-point methods".into(),
-            () if others.len() < names.len() => format!("all but {}", others.join(", ")),
-            () => names.join(", "),
-        };
+        let solvers = if self.is_of_solver() { self.takers() } else { String::new() };
         let domains = match self.domains {
             Domains::All => "",
             Domains::Square => "the square",

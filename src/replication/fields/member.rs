@@ -102,7 +102,7 @@ fn does_not_go(option: &'static str, varied: &str) -> Refused {
 
 impl Field {
     /// Value that varies, in the statement of a member; none if it has none.
-    fn varying(&self, statement: &Statement) -> Option<Varying> {
+    pub(crate) fn varying(&self, statement: &Statement) -> Option<Varying> {
         match (self.name, &statement.fineness) {
             ("h", Fineness::Width(_) | Fineness::Grids(_)) => {
                 return statement.fineness.cells().last().copied().map(Varying::Width);

@@ -265,8 +265,13 @@ pub(crate) fn overridden(
 ) -> Vec<String> {
     let (varied, others): (Vec<_>, Vec<_>) =
         FIELDS.iter().partition(|field| varied.iter().any(|name| name == field.name));
+    let ([name, new], [other, old]) = (fineness_in_words(asked), fineness_in_words(of_scene));
     let varies_fineness = varied.iter().any(|field| field.is_about_fineness());
-    let mut fineness = fineness_overridden(of_scene, asked).filter(|_| !varies_fineness);
+    let mut fineness = match name == other {
+        _ if varies_fineness || [&name, &new] == [&other, &old] => None,
+        true => Some(format!("{name} {new} instead of {old}")),
+        false => Some(format!("{name} {new} instead of {other} {old}")),
+    };
     let mut all = Vec::new();
     for field in others {
         if field.is_about_fineness() {
@@ -279,30 +284,17 @@ pub(crate) fn overridden(
     all
 }
 
-/// Returns, in words, the fineness of a statement in place of that of a scene.
-fn fineness_overridden(of_scene: &Statement, asked: &Statement) -> Option<String> {
-    let (old, new) = (&of_scene.fineness, &asked.fineness);
-    let key = |of: &Fineness| Voice::Keys.with_value(of.field(), &of.to_string());
-    match (old, new) {
-        _ if old == new => None,
-        (Fineness::Within(_), Fineness::Within(_)) => {
-            Some(format!("{} instead of {}", key(new), key(old)))
+/// Returns the fineness of a statement in words: its name and its value.
+fn fineness_in_words(statement: &Statement) -> [String; 2] {
+    let fineness = &statement.fineness;
+    match fineness {
+        Fineness::Usual if !statement.domain.is_square() => ["refine".into(), "as usual".into()],
+        Fineness::Usual | Fineness::Grids(_) | Fineness::Width(_) => {
+            let finest = fineness.cells().last().copied().unwrap_or_default();
+            ["finest grid".into(), format!("1/{finest}")]
         }
-        (Fineness::Within(_), _) | (Fineness::Refined(_), Fineness::Within(_)) => {
-            Some(format!("without {}", key(old)))
-        }
-        (_, Fineness::Refined(times)) => {
-            let old = match old {
-                Fineness::Refined(times) => times.to_string(),
-                _ => "the usual number".into(),
-            };
-            Some(format!("refine {times} instead of {old}"))
-        }
-        (_, Fineness::Within(_)) => None,
-        _ => {
-            let [new, old] = [new, old].map(|of| of.cells().last().copied());
-            let text = format!("finest grid 1/{} instead of 1/{}", new?, old?);
-            (new != old).then_some(text)
+        Fineness::Refined(_) | Fineness::Within(_) => {
+            [fineness.field().replace('_', "-"), fineness.to_string()]
         }
     }
 }

@@ -454,36 +454,32 @@ impl Field {
 
     /// Refuses the field on a domain that does not have it.
     fn check_domain(&self, voice: Voice, domain: &Domain) -> Reading<()> {
-        let text = match (self.domains, voice) {
+        let text = match self.domains {
             _ if self.domains.contain(domain) => return Ok(()),
-            (_, Voice::OverScene) => {
+            _ if voice == Voice::OverScene => {
                 format!("does not go with the scene's domain, {}; leave it out", domain.name)
             }
-            (Domains::Square, Voice::Options) => {
-                "is for the square; leave it out, or leave out --domain".into()
-            }
-            (Domains::Square, Voice::Keys) => {
-                "is for the square; leave it out beside `domain`, whose meshes are its refinements"
-                    .into()
-            }
-            (Domains::SquareAndCube, _) => {
+            Domains::Square => "is for the square; leave it out, or choose the square".to_owned(),
+            Domains::SquareAndCube => {
                 let refine = voice.with_value("refine", "K");
                 format!("is for the square and the cube; refine {} with {refine}", domain.name)
             }
-            (Domains::Meshes, Voice::Keys) => {
-                "is for meshes; the square has `grids`, and is in contact everywhere".into()
-            }
-            (Domains::Meshes | Domains::All | Domains::Plane, _) => {
-                "is about a mesh; add --domain NAME or --domain FILE, or leave it out".to_owned()
+            Domains::Meshes | Domains::All | Domains::Plane => {
+                format!("is about a mesh; add {}, or leave it out", voice.name("domain"))
             }
         };
         Err(self.refused(voice, &text))
     }
 
-    /// Solvers that take the field.
-    pub(super) fn takers(&self) -> Vec<Solver> {
-        let all = SOLVERS.iter().map(|entry| entry.solver);
-        all.filter(|&taker| (self.solvers)(taker)).collect()
+    /// True for a setting of some solvers.
+    pub(crate) fn is_of_solver(&self) -> bool {
+        !SOLVERS.iter().all(|entry| (self.solvers)(entry.solver))
+    }
+
+    /// Names of the solvers that take the field.
+    pub(super) fn takers(&self) -> String {
+        let takers = SOLVERS.iter().filter(|entry| (self.solvers)(entry.solver));
+        takers.map(|entry| entry.name).collect::<Vec<_>>().join(", ")
     }
 
     /// Refuses the field with a solver that does not take it.
@@ -491,17 +487,8 @@ impl Field {
         if (self.solvers)(solver) {
             return Ok(());
         }
-        let takers = self.takers();
-        let names = takers.iter().map(Solver::to_string).collect::<Vec<_>>().join(", ");
-        let (name, first) = (self.name, takers[0]);
-        Err(self.refused(voice, &match voice {
-            Voice::Keys if takers.iter().all(|taker| taker.is_nested()) => format!(
-                "is for the saddle-point methods, not for {solver}; add solver = \"{first}\", or leave `{name}` out"
-            ),
-            Voice::Keys => {
-                format!("is for {names}, not for {solver}; change `solver`, or leave `{name}` out")
-            }
-            _ => format!("is for --solver {names}, not {solver}; leave it out, or change --solver"),
-        }))
+        let (takers, field) = (self.takers(), voice.name("solver"));
+        let text = format!("is for {takers}, not for {solver}; leave it out, or change {field}");
+        Err(self.refused(voice, &text))
     }
 }

@@ -3,18 +3,21 @@
 //! Central is [`details`]: `solve` prints them, a study with its members, and the artifact of a member has them.
 
 use super::Record;
-use super::levels::{LevelNumbers, Residuals};
+use super::levels::LevelNumbers;
+use crate::replication::fields::member::Varying;
+use crate::replication::fields::table::FIELDS;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use signorini_mathematics::bounds::Accuracy;
-use signorini_mathematics::solvers::{Run, SaddleSettings, Solved};
+use signorini_mathematics::solvers::{Run, Solved};
 use signorini_mathematics::statement::{Fineness, Statement};
 
-/// Returns the details of the answer to a statement.
+/// Returns the details of the answer to a statement, with its numbers on these levels.
 pub(crate) fn details(
     statement: &Statement,
     solved: &Solved,
     record: &Record,
+    levels: &[LevelNumbers],
 ) -> Map<String, Value> {
     let (facts, law) = (solved.problem.levels().facts(), solved.problem.law());
     let mut json = Map::new();
@@ -25,7 +28,7 @@ pub(crate) fn details(
         "integral_f": solved.integral(),
         "contact": solved.contact(),
         "bound": bound(solved),
-        "failure": record.refusal().map(|failure| &failure.fact),
+        "failure": record.failure.as_ref().map(|failure| &failure.fact),
     }));
     if let Some(reason) = solved.no_bound() {
         insert(json!({ "bound_reason": reason.to_string() }));
@@ -37,32 +40,22 @@ pub(crate) fn details(
         insert(of_truth(&found.checks));
     }
     if let Some(run) = solved.run() {
+        insert(json!({ "grids": levels }));
         insert(on_levels(statement, solved, run));
         insert(of_method(statement, solved, run));
     }
     json
 }
 
-/// Returns the settings, by name, on which an answer on levels depends besides f and the solver. A result that does not
-/// depend on them is the same with others: a record has none.
-pub(crate) fn settings(statement: &Statement) -> Vec<(&'static str, Value)> {
-    let Statement { load, saddle, tolerance, .. } = statement;
-    let mut settings = Vec::new();
-    if let (Some(_), Ok(law)) = (statement.law, statement.law()) {
-        settings.push(("law", law.to_string().into()));
+/// Returns the settings, by name, on which an answer on levels depends besides f and how fine they are: the law, and
+/// the fields that not all solvers take.
+pub(crate) fn settings(statement: &Statement) -> Vec<(&'static str, Varying)> {
+    let law = statement.law.and_then(|law| law.law().ok());
+    let mut settings: Vec<_> =
+        law.map(|law| ("law", Varying::Text(law.to_string()))).into_iter().collect();
+    for field in FIELDS.iter().filter(|field| field.is_of_solver()) {
+        settings.extend(field.varying(statement).map(|value| (field.name, value)));
     }
-    settings.extend(load.map(|rule| ("load", rule.name().into())));
-    if let Some(SaddleSettings { prolongation, r, stop, max_iterations }) = saddle {
-        settings.push(("r", (*r).into()));
-        settings.extend(tolerance.is_none().then(|| ("stop", stop.name().into())));
-        settings.push(("max_iterations", (*max_iterations).into()));
-        settings.extend(load.map(|_| ("prolongation", prolongation.name().into())));
-    }
-    settings.extend(tolerance.map(|tolerance| ("tolerance", tolerance.into())));
-    settings.extend(statement.accuracy().map(|of| match of {
-        Accuracy::Error(wanted) => ("accuracy", wanted.into()),
-        Accuracy::Energy(wanted) => ("accuracy-energy", wanted.into()),
-    }));
     settings
 }
 
@@ -98,7 +91,7 @@ fn of_truth(checks: &impl Serialize) -> Value {
 
 /// Details of a solution on levels.
 fn on_levels(statement: &Statement, solved: &Solved, run: &Run) -> Value {
-    let (problem, last) = (&solved.problem, run.last());
+    let problem = &solved.problem;
     let states = run.judgement.state_counts();
     let mut json = json!({
         // Of the square and the cube that of their cells, on other meshes the longest edge.
@@ -107,9 +100,6 @@ fn on_levels(statement: &Statement, solved: &Solved, run: &Run) -> Value {
             _ => problem.levels().facts().width,
         },
         "unknowns": run.y.len(),
-        "grids": LevelNumbers::all(statement, solved, run),
-        "sum_load": last.sum_load,
-        "kkt": Residuals::of(last),
         "contact_nodes": { "nodes": states.sticks, "boundary_nodes": states.all() },
     });
     if !problem.law().is_signorini() {
@@ -129,7 +119,6 @@ fn on_levels(statement: &Statement, solved: &Solved, run: &Run) -> Value {
 fn of_method(statement: &Statement, solved: &Solved, run: &Run) -> Value {
     let mut json = json!({});
     if statement.solver.is_nested() {
-        json["sweeps"] = run.last().end.sweeps().into();
         let sweeps = run.ends.iter().map(|outcome| outcome.end.sweeps());
         json["sweeps_per_grid"] = sweeps.collect::<Vec<_>>().into();
     }

@@ -1,7 +1,7 @@
 //! The `diff` stage: the table of one scene against the published one.
 
-use super::tabulate::{self, SolveOfRun};
-use super::to_json;
+use super::results::SolveOfMember;
+use super::{tabulate, to_json};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::{Artifacts, Task};
 use crate::replication::paper::Paper;
@@ -21,7 +21,7 @@ pub(crate) fn id(scene: &Scene) -> String {
 struct Compared {
     scene: String,
     /// Solves whose counts are compared.
-    solves: Vec<SolveOfRun>,
+    solves: Vec<SolveOfMember>,
     /// The published table alone.
     paper: Paper,
 }
@@ -41,7 +41,7 @@ pub(crate) fn task(project: &Project, scene: &Scene, number: u8) -> Result<Task>
         )));
     }
     let paper = Paper { r: project.paper.r.clone(), table: vec![table.clone()] };
-    let solves = scene.under(scene.first_rule()).map(|member| SolveOfRun::of(scene, member));
+    let solves = scene.under(scene.first_rule()).map(|member| SolveOfMember::of(scene, member));
     let solves: Vec<_> = solves.collect();
     let needs = solves.iter().map(|solve| solve.task.clone()).collect();
     let name = scene.name.clone();
@@ -51,7 +51,7 @@ pub(crate) fn task(project: &Project, scene: &Scene, number: u8) -> Result<Task>
         let mut rows = Vec::new();
         for solve in solves {
             let levels = solve.numbers(inputs)?.levels();
-            rows.extend(solve.saddle.map(|of| tabulate::row(of.r, &levels)));
+            rows.extend(solve.saddle().map(|of| tabulate::row(of.r, &levels)));
         }
         let diff = paper.compare(number, scene, &rows)?;
         Ok(Artifacts::from([(DIFF.into(), to_json(&diff))]))

@@ -285,7 +285,7 @@ fn numbers(inputs: &Inputs, scenes: &[Scene]) -> Result<String, Failure> {
         let bounds = bounds.map(|of| [of.energy[0], of.energy[1], of.relative()]);
         let [lower, upper, error] =
             bounds.map_or_else(Default::default, |all| all.map(|x| x.to_string()));
-        let energy = found.energy.unwrap_or(f64::NAN);
+        let energy = found.last.energy.unwrap_or(f64::NAN);
         let problem = solve::problem(inputs, scene)?;
         let held = solve::held(&problem, &solve::pair(inputs, scene, rule, &problem)?);
         table += &format!("{energy},{lower},{upper},{error},{held}\n");

@@ -8,7 +8,6 @@ pub(crate) mod diff;
 mod figures;
 mod identify;
 mod members;
-pub(crate) mod remarks;
 pub(crate) mod report;
 mod results;
 mod solutions;
@@ -16,7 +15,6 @@ pub(crate) mod solve;
 pub(crate) mod study;
 pub(crate) mod tabulate;
 
-use self::study::StudyTable;
 use crate::pipeline::error::Result;
 use crate::pipeline::{InputFiles, Inputs, Plan, Task, stage};
 use crate::replication::project::Project;
@@ -72,10 +70,7 @@ pub(crate) fn plan(project: &Project, scenes: &[&Scene], only: Option<Stage>) ->
     for scene in scenes {
         tasks.extend(solve::tasks(scene));
         if scene.wants(Output::Table) {
-            tasks.push(match scene.is_study {
-                true => StudyTable::task(scene),
-                false => tabulate::task(scene),
-            });
+            tasks.push(tabulate::task(scene));
         }
         if let Some(number) = scene.paper_table.filter(|_| scene.wants(Output::Table)) {
             tasks.push(diff::task(project, scene, number)?);

@@ -1,12 +1,16 @@
 //! The table of all results: every scene, rule, r and grid beside the published numbers, for other programs to
 //! read, and the joins and aggregates of it that the book shows.
 
-use super::tabulate::SolveOfRun;
+use super::from_json;
+use super::members::id_of;
+use super::solve::NUMBERS;
 use crate::pipeline::{Artifacts, Inputs, Task};
 use crate::replication::comparison::TableComparison;
+use crate::replication::fields::member::Member;
+use crate::replication::numbers::Numbers;
 use crate::replication::paper::{Paper, PublishedTable};
 use crate::replication::project::Project;
-use crate::replication::record::levels::LevelNumbers;
+use crate::replication::record::levels::{LevelNumbers, Residuals};
 use crate::replication::scene::{Output, Scene};
 use polars::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -14,7 +18,8 @@ use serde_json::{Value, json};
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::saddle::{StopRule, tolerance};
-use signorini_mathematics::solvers::{SaddleSettings, Solver};
+use signorini_mathematics::solvers::SaddleSettings;
+use signorini_mathematics::statement::Statement;
 use std::io::Cursor;
 
 pub(super) const ID: &str = "diff/results";
@@ -51,37 +56,50 @@ struct Joined {
 #[derive(Serialize, Deserialize)]
 struct Solves {
     name: String,
-    solver: Solver,
     paper_table: Option<u8>,
     /// Number of grids of a published table.
     grids: Option<usize>,
-    domain: String,
-    f: String,
-    /// None for the paper's.
-    law: Option<LawParameter>,
-    runs: Vec<SolveOfRun>,
+    runs: Vec<SolveOfMember>,
+}
+
+/// Solve of a member of a scene.
+#[derive(Serialize, Deserialize)]
+pub(super) struct SolveOfMember {
+    pub(super) task: String,
+    statement: Statement,
+}
+
+impl SolveOfMember {
+    pub(super) fn of(scene: &Scene, member: &Member) -> Self {
+        Self { task: id_of(scene, member), statement: member.statement.clone() }
+    }
+
+    /// Settings of a saddle-point method; none of other solvers.
+    pub(super) fn saddle(&self) -> Option<SaddleSettings> {
+        self.statement.saddle
+    }
+
+    pub(super) fn numbers(&self, inputs: &Inputs) -> Result<Numbers, String> {
+        from_json(inputs, &self.task, NUMBERS)
+    }
+
+    /// Name of the law as scenes write it, and its parameter.
+    fn law_and_parameter(&self) -> (&'static str, Option<f64>) {
+        match self.statement.law {
+            None => ("signorini", None),
+            Some(LawParameter::Friction(g)) => ("friction", Some(g)),
+            Some(LawParameter::Limit(limit)) => ("limit", Some(limit)),
+        }
+    }
 }
 
 impl Solves {
     fn of(scene: &Scene) -> Self {
         Self {
             name: scene.name.clone(),
-            solver: scene.statement.solver,
             paper_table: scene.paper_table,
             grids: scene.paper_table.map(|_| scene.grids().len()),
-            domain: scene.statement.domain.name.clone(),
-            f: scene.statement.f.clone(),
-            law: scene.statement.law,
-            runs: SolveOfRun::all(scene),
-        }
-    }
-
-    /// Name of the law as scenes write it, and its parameter.
-    fn law_and_parameter(&self) -> (&'static str, Option<f64>) {
-        match self.law {
-            None => ("signorini", None),
-            Some(LawParameter::Friction(g)) => ("friction", Some(g)),
-            Some(LawParameter::Limit(limit)) => ("limit", Some(limit)),
+            runs: scene.study.members.iter().map(|of| SolveOfMember::of(scene, of)).collect(),
         }
     }
 }
@@ -189,7 +207,7 @@ fn schema() -> PolarsResult<SchemaRef> {
 /// Solve on one grid, or without a grid.
 struct GridSolve<'a> {
     scene: &'a Solves,
-    saddle: Option<SaddleSettings>,
+    solve: &'a SolveOfMember,
     /// Number of the grid among those where the solver ended, from 1.
     level: usize,
     found: LevelNumbers,
@@ -203,7 +221,7 @@ impl GridSolve<'_> {
     /// Place in the published table of the scene, if the paper prints r: the table and the number of its row.
     fn published_row<'p>(&self, paper: &'p Paper) -> Option<(&'p PublishedTable, usize)> {
         let table = paper.published(self.scene.paper_table?).ok()?;
-        let r = self.saddle?.r;
+        let r = self.solve.saddle()?.r;
         Some((table, paper.r.iter().position(|&printed| printed == r)?))
     }
 
@@ -222,13 +240,18 @@ impl GridSolve<'_> {
 
     /// True if the stopping rule was met; none for a solver without.
     fn met(&self) -> Option<bool> {
-        self.saddle?;
+        self.solve.saddle()?;
         Some(self.found.own_stop? == Stop::Converged)
     }
 
     /// One of the bounds; none under a rule, which stops where it says.
     fn bound(&self, bound: Option<f64>) -> Option<f64> {
-        bound.filter(|_| self.saddle.is_none())
+        bound.filter(|_| self.solve.saddle().is_none())
+    }
+
+    /// One of the residuals.
+    fn kkt(&self, residual: fn(&Residuals) -> Option<f64>) -> Option<f64> {
+        residual(self.found.kkt.as_ref()?)
     }
 }
 
@@ -242,7 +265,7 @@ fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>
             for (level, found) in (1..).zip(levels) {
                 solves.push(GridSolve {
                     scene,
-                    saddle: solve.saddle,
+                    solve,
                     level,
                     found,
                     reserve: numbers.reserve.clone(),
@@ -261,14 +284,14 @@ fn solved<'a>(inputs: &Inputs, scenes: &'a [Solves]) -> Result<Vec<GridSolve<'a>
 fn table(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
     df!(
         "problem" => column(solves, |solve| &*solve.scene.name),
-        "solver" => column(solves, |solve| solve.scene.solver.entry().name),
-        "rule" => column(solves, |solve| solve.saddle.map(|of| of.stop.name())),
-        "r" => column(solves, |solve| solve.saddle.map(|of| of.r)),
+        "solver" => column(solves, |solve| solve.solve.statement.solver.entry().name),
+        "rule" => column(solves, |of| of.solve.saddle().map(|of| of.stop.name())),
+        "r" => column(solves, |of| of.solve.saddle().map(|of| of.r)),
         "cells" => column(solves, |solve| solve.found.cells.map(|cells| cells as i64)),
         "nodes" => column(solves, |solve| solve.found.nodes.map(|nodes| nodes as i64)),
-        "tolerance" => column(solves, |solve| solve.saddle.map(|_| tolerance(solve.level))),
-        "iterations" => column(solves, |solve| Some(solve.found.iterations as i64)),
-        "stop" => column(solves, |solve| &*solve.found.stop),
+        "tolerance" => column(solves, |of| of.solve.saddle().map(|_| tolerance(of.level))),
+        "iterations" => column(solves, |solve| solve.found.iterations.map(|count| count as i64)),
+        "stop" => column(solves, |solve| solve.found.stop.as_deref()),
         "met" => column(solves, GridSolve::met),
         "gradient_signed" => column(solves, |solve| solve.found.gradient_signed),
         "gradient_abs" => column(solves, |solve| solve.found.gradient_abs),
@@ -284,21 +307,21 @@ fn table(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
         "v_least" => column(solves, |solve| solve.found.v_least),
         "v_greatest" => column(solves, |solve| solve.found.v_greatest),
         "sum_load" => column(solves, |solve| solve.found.sum_load),
-        "kkt_stationarity" => column(solves, |solve| solve.found.kkt.stationarity),
-        "kkt_min_y" => column(solves, |solve| solve.found.kkt.min_y),
-        "kkt_min_lambda" => column(solves, |solve| solve.found.kkt.min_lambda),
-        "kkt_complementarity" => column(solves, |solve| solve.found.kkt.max_min),
-        "kkt_natural" => column(solves, |solve| solve.found.kkt.natural),
-        "kkt_relative" => column(solves, |solve| solve.found.kkt.relative),
+        "kkt_stationarity" => column(solves, |solve| solve.kkt(|kkt| kkt.stationarity)),
+        "kkt_min_y" => column(solves, |solve| solve.kkt(|kkt| kkt.min_y)),
+        "kkt_min_lambda" => column(solves, |solve| solve.kkt(|kkt| kkt.min_lambda)),
+        "kkt_complementarity" => column(solves, |solve| solve.kkt(|kkt| kkt.max_min)),
+        "kkt_natural" => column(solves, |solve| solve.kkt(|kkt| kkt.natural)),
+        "kkt_relative" => column(solves, |solve| solve.kkt(|kkt| kkt.relative)),
         "published" => column(solves, |solve| solve.published_count(paper)),
         "published_delta_a" => column(solves, |solve| solve.published_delta_a(paper)),
         "warnings" => column(solves, |solve| {
             (!solve.warnings.is_empty()).then_some(&*solve.warnings)
         }),
-        "domain" => column(solves, |solve| &*solve.scene.domain),
-        "f" => column(solves, |solve| &*solve.scene.f),
-        "law" => column(solves, |solve| solve.scene.law_and_parameter().0),
-        "law_parameter" => column(solves, |solve| solve.scene.law_and_parameter().1),
+        "domain" => column(solves, |of| &*of.solve.statement.domain.name),
+        "f" => column(solves, |of| &*of.solve.statement.f),
+        "law" => column(solves, |of| of.solve.law_and_parameter().0),
+        "law_parameter" => column(solves, |of| of.solve.law_and_parameter().1),
     )
 }
 

@@ -11,7 +11,7 @@ use crate::replication::fields::member::Member;
 use crate::replication::fields::table::Voice;
 use crate::replication::mesh_files;
 use crate::replication::numbers::Numbers;
-use crate::replication::record::Judge;
+use crate::replication::record::Record;
 use crate::replication::scene::{Output, Scene};
 use crate::timing::machine;
 use serde::{Deserialize, Serialize};
@@ -35,9 +35,6 @@ pub(super) struct Cell {
     keep_pair: bool,
     /// True if the history of residuals is drawn.
     keep_history: bool,
-    /// True for a scene of a published table.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    is_papers: bool,
     /// True for a member of a study, whose row says why there is no solution.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     is_row: bool,
@@ -95,7 +92,6 @@ fn cell(scene: &Scene, member: &Member) -> Cell {
             && ((is_first_rule && (scene.wants(Output::Surface) || scene.wants(Output::Map)))
                 || scene.wants(Output::Contact)),
         keep_history: scene.wants(Output::History) && is_first_rule,
-        is_papers: scene.paper_table.is_some(),
         is_row: scene.is_study,
     }
 }
@@ -134,7 +130,7 @@ pub(crate) fn numbers(
 ) -> Read<Numbers> {
     match solved((statement, voice), files, false, &mut Recorder::new(interrupted)) {
         Ok(solved) => {
-            let record = Judge { statement, voice, is_papers: false }.record(&solved);
+            let record = Record::of((statement, voice), &solved);
             Ok(Numbers::of(statement, &solved, &record))
         }
         Err(Error::Interrupted) => Err(Error::Interrupted),
@@ -199,9 +195,9 @@ impl Cell {
             }
             solved => solved?,
         };
-        let judge = Judge { statement, voice: Voice::Keys, is_papers: self.is_papers };
-        let record = judge.record(&solved);
-        if let Some(shortfall) = record.shortfall.as_ref().filter(|_| !self.is_row) {
+        let record = Record::of((statement, Voice::Keys), &solved);
+        let shortfall = record.failure.as_ref().filter(|_| record.is_solution && !self.is_row);
+        if let Some(shortfall) = shortfall {
             return Err(Error::input(shortfall.sentence()).into());
         }
         let numbers = Numbers::of(statement, &solved, &record);
@@ -265,7 +261,7 @@ impl Monitor for Recorder<'_> {
 
 /// Returns, in words, how a solver ended, unless with a solution.
 pub(super) fn no_solution(numbers: &Numbers) -> Option<String> {
-    numbers.reason.as_ref().and(numbers.stop.as_ref()).map(|end| end.replace('-', " "))
+    numbers.reason.as_ref().and(numbers.last.stop.as_ref()).map(|end| end.replace('-', " "))
 }
 
 /// Returns the numbers of a scene under a rule, with the r that is drawn.

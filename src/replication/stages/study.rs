@@ -1,69 +1,22 @@
-//! The table of a study, and its chart.
+//! Rows of a study for pages, and its chart.
 
+use super::from_json;
 use super::members::{id_in_study, ids};
 use super::solve::NUMBERS;
-use super::{from_json, tabulate};
 use crate::figures::{Chart, Curve, Picture, Scale, Stroke, axes_alone, charts};
-use crate::pipeline::{Inputs, Made, Task};
-use crate::replication::columns::in_words;
+use crate::pipeline::Inputs;
 use crate::replication::fields::member::Member;
 use crate::replication::fields::table::{Field, field};
-use crate::replication::numbers::Numbers;
+use crate::replication::numbers::{Numbers, in_words};
 use crate::replication::scene::Scene;
 use crate::replication::study::{Axes, Study, of_axis};
 use crate::table::rows::Rows;
-use serde::{Deserialize, Serialize};
-
-/// Study of a scene with this name.
-#[derive(Serialize, Deserialize)]
-pub(super) struct StudyTable {
-    name: String,
-    study: Study,
-}
-
-/// Most reasons, and most warnings, that stand below a table.
-const MOST_REMARKS: usize = 3;
-
-impl StudyTable {
-    /// The task that makes the table of a study.
-    pub(super) fn task(scene: &Scene) -> Task {
-        let study = Study { chart: None, ..scene.study.clone() };
-        let tabulated = Self { name: scene.name.clone(), study };
-        let needs = ids(scene).collect();
-        Task::new(tabulate::id(scene), &tabulated, needs, Self::made).exported_to(tabulate::FOLDER)
-    }
-
-    fn made(&self, inputs: &Inputs) -> Made {
-        let study = &self.study;
-        let all = all_numbers(inputs, &self.name, study)?;
-        let table = study.table(&all);
-        let counted = Study::counted(&table, &all);
-        let shown =
-            tabulate::with_few_digits(&counted, study.names.len(), |k| all[k].has_true_energy());
-        let marks = study.marks(&all);
-        let order =
-            [study.columns.clone(), marks.iter().map(ToString::to_string).collect()].concat();
-        let mut page = shown
-            .with_columns(|column| study.shows(column) || marks.contains(&column))
-            .in_order(&order);
-        if page.head.is_empty() {
-            page = shown.with_columns(|column| study.names.iter().any(|name| name == column));
-        }
-        // Reasons and warnings are sentences, and stand below.
-        let note = study.remarks(&all, MOST_REMARKS);
-        Ok(tabulate::files(&self.name, &table, &page, &note))
-    }
-}
-
-/// Returns the numbers of all members of the study of a scene.
-fn all_numbers(inputs: &Inputs, scene: &str, study: &Study) -> Result<Vec<Numbers>, String> {
-    let members = study.members.iter();
-    members.map(|member| from_json(inputs, &id_in_study(scene, study, member), NUMBERS)).collect()
-}
 
 /// Returns the rows of the study of a scene, as [`Study::rows`].
 pub(super) fn rows(inputs: &Inputs, scene: &str, study: &Study) -> Result<Rows, String> {
-    Ok(Rows(study.rows(&all_numbers(inputs, scene, study)?)))
+    let numbers = |member: &Member| from_json(inputs, &id_in_study(scene, study, member), NUMBERS);
+    let all: Result<Vec<Numbers>, _> = study.members.iter().map(numbers).collect();
+    Ok(Rows(study.rows(&all?)))
 }
 
 /// Draws the chart of a study: a curve for each of the other values that are varied.

@@ -1,21 +1,23 @@
-//! The `tabulate` stage: the cells of one scene as a table, for each stopping rule in the layout of the paper.
+//! The `tabulate` stage: the table of a scene, in CSV, Markdown and LaTeX.
+//!
+//! Central is [`task`]; [`remarks`] says on the terminal what stands below a table.
 
+use super::from_json;
+use super::members::{id_of, ids};
 use super::solve::NUMBERS;
-use super::{from_json, members};
 use crate::pipeline::{Artifacts, Inputs, Made, Task};
-use crate::replication::columns::{in_words, shown};
 use crate::replication::comparison::Row;
 use crate::replication::fields::member::Member;
-use crate::replication::numbers::Numbers;
-use crate::replication::record::Grouped;
+use crate::replication::numbers::{Numbers, in_words, shown};
 use crate::replication::record::levels::LevelNumbers;
 use crate::replication::scene::Scene;
+use crate::replication::study::Study;
 use crate::table::{Table, in_markdown};
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::problem::text::interval;
 use signorini_mathematics::saddle::StopRule;
-use signorini_mathematics::solvers::SaddleSettings;
+use signorini_mathematics::statement::{Domain, Statement};
 
 /// Folder of the tables in the project.
 pub(crate) const FOLDER: &str = "report/tables";
@@ -26,6 +28,8 @@ const USUAL: [&str; 6] = ["grid", "iterations", "stop", "energy", "error_relativ
 /// First words of the columns on the ends of runs of a saddle-point method, each in words.
 const ENDS: [(&str, &str); 2] =
     [("capped ", "the limit on iterations"), ("stop ", "no solution of the discrete problem")];
+/// Most reasons, and most warnings, that stand below a table, and that a run tells of a scene.
+const MOST_REMARKS: usize = 3;
 /// Columns of the guaranteed bracket of the energy.
 const BRACKET: [&str; 2] = ["energy_lower", "energy_upper"];
 
@@ -54,7 +58,7 @@ pub(crate) fn under(table: &str, rule: StopRule) -> String {
 }
 
 /// Returns the files of a table: in CSV, and as it is `shown` in Markdown and LaTeX, each with a `note` below.
-pub(super) fn files(name: &str, table: &Table, shown: &Table, note: &str) -> Artifacts {
+fn files(name: &str, table: &Table, shown: &Table, note: &[String]) -> Artifacts {
     let head = shown.head.iter().map(|column| in_words(column)).collect();
     let mut tex = Table { head, ..shown.clone() }.tex();
     let mut markdown = shown.markdown(in_markdown);
@@ -70,7 +74,7 @@ pub(super) fn files(name: &str, table: &Table, shown: &Table, note: &str) -> Art
             left_out.join(", ")
         );
     }
-    for line in note.lines() {
+    for line in note {
         markdown += &format!("\n{}\n", in_markdown(line));
         tex += &format!("% {line}\n");
     }
@@ -82,11 +86,7 @@ pub(super) fn files(name: &str, table: &Table, shown: &Table, note: &str) -> Art
 
 /// Returns a table with as many digits as are read behind the first columns, which are as they are `given`, and as are
 /// known in rows for whose number `is_true` holds; a bracket is rounded outwards.
-pub(super) fn with_few_digits(
-    table: &Table,
-    given: usize,
-    is_true: impl Fn(usize) -> bool,
-) -> Table {
+fn with_few_digits(table: &Table, given: usize, is_true: impl Fn(usize) -> bool) -> Table {
     /// Digits of a number that is not whole.
     const SIX: usize = 6;
     let mut table = table.clone();
@@ -113,79 +113,92 @@ pub(super) fn with_few_digits(
     table
 }
 
-/// Solves from which a table is made.
+/// Table of a scene, whose rows are its members, or the levels of the only one.
 #[derive(Serialize, Deserialize)]
 struct Tabulated {
     /// Name of the scene.
     name: String,
-    /// In the order of the rows.
-    solves: Vec<SolveOfRun>,
+    /// Members, without a chart.
+    study: Study,
+    /// Tasks that solve the members.
+    tasks: Vec<String>,
+    form: Form,
     /// True for a published table, whose warnings the book explains.
     is_papers: bool,
 }
 
-/// Solve of which a table has a row, or each level one.
-#[derive(Serialize, Deserialize)]
-pub(super) struct SolveOfRun {
-    pub(super) task: String,
-    /// Rule and r of a saddle-point method; none of other solvers.
-    pub(super) saddle: Option<SaddleSettings>,
-}
-
-impl SolveOfRun {
-    /// Solve of a member of a scene.
-    pub(super) fn of(scene: &Scene, member: &Member) -> Self {
-        Self { task: members::id_of(scene, member), saddle: member.rule_and_r() }
-    }
-
-    /// Solves of a scene, in the order of the rows.
-    pub(super) fn all(scene: &Scene) -> Vec<Self> {
-        scene.study.members.iter().map(|member| Self::of(scene, member)).collect()
-    }
-
-    pub(super) fn numbers(&self, inputs: &Inputs) -> Result<Numbers, String> {
-        from_json(inputs, &self.task, NUMBERS)
-    }
+/// Form of the table of a scene.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+enum Form {
+    /// A row for each member with all its numbers.
+    Members,
+    /// The paper's form: a row for each rule and r with the counts on all grids.
+    Counts,
+    /// A row for each level.
+    Levels,
 }
 
 pub(crate) fn task(scene: &Scene) -> Task {
-    let solves = SolveOfRun::all(scene);
-    let needs = solves.iter().map(|solve| solve.task.clone()).collect();
-    let is_papers = scene.paper_table.is_some();
-    let tabulated = Tabulated { name: scene.name.clone(), solves, is_papers };
-    Task::new(id(scene), &tabulated, needs, Tabulated::made).exported_to(FOLDER)
+    let tasks: Vec<String> = ids(scene).collect();
+    let form = match scene.first_rule() {
+        _ if scene.is_study => Form::Members,
+        Some(_) => Form::Counts,
+        None => Form::Levels,
+    };
+    let mut study = Study { chart: None, ..scene.study.clone() };
+    // A table of counts or levels shows the rule and r of a member alone, and is not made anew for another f.
+    for member in study.members.iter_mut().filter(|_| !scene.is_study) {
+        let saddle = member.rule_and_r();
+        *member = Statement { saddle, ..Statement::usual(Domain::square(), "") }.into();
+    }
+    let tabulated = Tabulated {
+        name: scene.name.clone(),
+        study,
+        tasks: tasks.clone(),
+        form,
+        is_papers: scene.paper_table.is_some(),
+    };
+    Task::new(id(scene), &tabulated, tasks, Tabulated::made).exported_to(FOLDER)
 }
 
 impl Tabulated {
     fn made(&self, inputs: &Inputs) -> Made {
-        let (mut levels, mut warned, mut is_true) = (Vec::new(), Grouped::default(), false);
-        for solve in &self.solves {
-            let numbers = solve.numbers(inputs)?;
-            levels.push(numbers.levels());
-            is_true = numbers.has_true_energy();
-            let run = solve.saddle.map(|SaddleSettings { stop, r, .. }| format!("{stop}, r = {r}"));
-            for warning in numbers.warnings.into_iter().filter(|_| !self.is_papers) {
-                warned.add(warning, run.clone().unwrap_or_default());
-            }
-        }
-        let runs: Option<Vec<_>> = self.solves.iter().map(|solve| solve.saddle).collect();
-        let table = match &runs {
-            Some(runs) => table(runs, &levels),
-            None => table_of_levels(&levels[0]),
+        let study = &self.study;
+        let all = self.tasks.iter().map(|task| from_json(inputs, task, NUMBERS));
+        let all = all.collect::<Result<Vec<Numbers>, _>>()?;
+        let (table, given) = match self.form {
+            Form::Members => (study.table(&all), study.names.len()),
+            Form::Counts => (table_of_counts(&study.members, &all), 0),
+            Form::Levels => (table_of_levels(&all[0].levels()), 0),
         };
-        let few = with_few_digits(&table, 0, |_| is_true);
-        let (shown, mut note) = match runs {
-            Some(_) => without_ends(&few),
-            None => (few.with_columns(|column| USUAL.contains(&column)), String::new()),
+        let counted = Study::counted(&table, &all);
+        // All levels are of one member.
+        let is_true = |row: usize| all[row.min(all.len() - 1)].has_true_energy();
+        let few = with_few_digits(&counted, given, is_true);
+        let (shown, mut note) = match self.form {
+            Form::Members => (study.page(&few, &all), Vec::new()),
+            Form::Counts => without_ends(&few),
+            Form::Levels => (few.with_columns(|column| USUAL.contains(&column)), Vec::new()),
         };
-        for (warning, whom) in warned.first(usize::MAX) {
-            note += &match &whom[0][..] {
-                "" => format!("warning: {warning}\n"),
-                _ => format!("warning ({}): {warning}\n", whom.join("; ")),
-            };
+        if !self.is_papers {
+            note.extend(study.remarks(study.members.iter().zip(&all), MOST_REMARKS));
         }
         Ok(files(&self.name, &table, &shown, &note))
     }
+}
+
+/// Returns lines on the members of a scene after a run: those without a solution, and warnings; `artifact` reads the
+/// [`NUMBERS`] of a task, or returns `None` for a task that is not concerned.
+pub(crate) fn remarks(scene: &Scene, artifact: impl Fn(&str) -> Option<Vec<u8>>) -> Vec<String> {
+    let mut found: Vec<(&Member, Numbers)> = Vec::new();
+    for member in &scene.study.members {
+        let numbers = artifact(&id_of(scene, member));
+        let numbers = numbers.and_then(|bytes| serde_json::from_slice(&bytes).ok());
+        found.extend(numbers.map(|numbers| (member, numbers)));
+    }
+    let found = found.iter().map(|(member, numbers)| (*member, numbers));
+    let lines = scene.study.remarks(found, MOST_REMARKS).into_iter();
+    lines.map(|line| format!("{}: {line}", scene.name)).collect()
 }
 
 /// Table of a solver without r: a row per level on which it ended, with the guaranteed bounds there; of the spectral
@@ -195,9 +208,10 @@ fn table_of_levels(levels: &[LevelNumbers]) -> Table {
     let bounds = ["energy_lower", "energy_upper", "error_bound", "error_relative", "kkt_relative"];
     let mut table = Table::new(head.into_iter().chain(bounds).map(str::to_owned), &[]);
     for level in levels {
-        let mut row = vec![level.label(), level.iterations.to_string(), level.stop.clone()];
+        let mut row = vec![level.label(), level.count().to_string(), level.end().to_owned()];
         let bracket = [level.energy, level.energy_lower, level.energy_upper];
-        let errors = [level.error_bound, level.error_relative, level.kkt.relative];
+        let kkt = level.kkt.as_ref().and_then(|kkt| kkt.relative);
+        let errors = [level.error_bound, level.error_relative, kkt];
         row.extend(bracket.into_iter().chain(errors).map(|x| x.map_or(String::new(), decimal)));
         table.rows.push(row);
     }
@@ -205,13 +219,13 @@ fn table_of_levels(levels: &[LevelNumbers]) -> Table {
 }
 
 /// Returns a table without the columns on the ends of runs, and a line for each kind of them.
-fn without_ends(table: &Table) -> (Table, String) {
-    let mut note = String::new();
+fn without_ends(table: &Table) -> (Table, Vec<String>) {
+    let mut note = Vec::new();
     for (word, end) in ENDS {
         let grids = table.head.iter().filter_map(|column| column.strip_prefix(word));
         let grids: Vec<&str> = grids.collect();
         if !grids.is_empty() {
-            note += &format!("{end} in some runs on {}\n", grids.join(", "));
+            note.push(format!("{end} in some runs on {}", grids.join(", ")));
         }
     }
     (table.with_columns(|column| !ENDS.iter().any(|(word, _)| column.starts_with(word))), note)
@@ -222,7 +236,7 @@ pub(super) fn row(r: f64, levels: &[LevelNumbers]) -> Row {
     let own_stops = levels.iter().map(|level| level.own_stop);
     Row {
         r,
-        counts: levels.iter().map(|level| level.iterations).collect(),
+        counts: levels.iter().map(LevelNumbers::count).collect(),
         capped: own_stops.map(|stop| stop == Some(Stop::IterationLimit)).collect(),
         delta_a: levels.last().and_then(|finest| finest.delta_a).unwrap_or(f64::NAN),
     }
@@ -234,8 +248,11 @@ pub(super) fn row(r: f64, levels: &[LevelNumbers]) -> Row {
 /// If `max_iterations` cut off a count on a grid, a column `capped 1/4` marks those counts; if an iteration on a grid
 /// ended without a solution of the discrete problem, a column `stop 1/4` holds the ends. Where it diverged, counts on
 /// finer grids are empty.
-fn table(runs: &[SaddleSettings], levels: &[Vec<LevelNumbers>]) -> Table {
-    let rows: Vec<Row> = runs.iter().zip(levels).map(|(run, of)| row(run.r, of)).collect();
+fn table_of_counts(members: &[Member], all: &[Numbers]) -> Table {
+    let levels: Vec<_> = all.iter().map(Numbers::levels).collect();
+    let settings: Vec<_> = members.iter().filter_map(|member| member.statement.saddle).collect();
+    let rows: Vec<Row> =
+        settings.iter().zip(&levels).map(|(of, levels)| row(of.r, levels)).collect();
     // A run that diverged has no finer levels.
     let grids = levels.iter().max_by_key(|of| of.len()).into_iter().flatten();
     let grids: Vec<String> = grids.map(LevelNumbers::label).collect();
@@ -248,21 +265,20 @@ fn table(runs: &[SaddleSettings], levels: &[Vec<LevelNumbers>]) -> Table {
             stopped.push(level);
         }
     }
-    let named = |name: &str, levels: &[usize]| -> Vec<String> {
-        levels.iter().map(|&level| format!("{name} {}", grids[level])).collect()
-    };
-    let keys = [RULE, "r"].map(str::to_owned);
-    let counts_and_change = [&keys[..], &grids, &["delta_a".to_owned()]].concat();
-    let marks = [named("capped", &capped), named("stop", &stopped)].concat();
-    let mut table = Table::new(counts_and_change.into_iter().chain(marks), &[]);
-    for ((run, row), levels) in runs.iter().zip(&rows).zip(levels) {
-        let mut cells = vec![run.stop.to_string(), decimal(row.r)];
+    let marks = [("capped", &capped), ("stop", &stopped)];
+    let marks = marks.into_iter().flat_map(|(name, of)| {
+        of.iter().map(|&level| format!("{name} {}", grids[level])).collect::<Vec<_>>()
+    });
+    let head = [RULE, "r"].map(str::to_owned).into_iter().chain(grids.clone());
+    let mut table = Table::new(head.chain(["delta_a".to_owned()]).chain(marks), &[]);
+    for ((of, row), levels) in settings.iter().zip(&rows).zip(&levels) {
+        let mut cells = vec![of.stop.to_string(), decimal(row.r)];
         cells.extend(row.counts.iter().map(usize::to_string));
         cells.resize(2 + grids.len(), String::new());
         cells.push(if row.delta_a.is_nan() { String::new() } else { decimal(row.delta_a) });
         cells.extend(capped.iter().map(|&level| row.is_capped(level).to_string()));
-        let stop = |level: &usize| levels.get(*level).map_or(String::new(), |of| of.stop.clone());
-        cells.extend(stopped.iter().map(stop));
+        let ends = stopped.iter().map(|&level| levels.get(level).map_or("", LevelNumbers::end));
+        cells.extend(ends.map(str::to_owned));
         table.rows.push(cells);
     }
     table
@@ -279,13 +295,14 @@ fn decimal(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use signorini_mathematics::solvers::SaddleSettings;
 
     #[test]
     fn a_table_has_all_digits_and_says_what_was_cut_off() {
         let level = |cells, iterations, stop: &str, own_stop| LevelNumbers {
             cells: Some(cells),
-            iterations,
-            stop: stop.into(),
+            iterations: Some(iterations),
+            stop: Some(stop.into()),
             own_stop: Some(own_stop),
             ..LevelNumbers::default()
         };
@@ -298,8 +315,15 @@ mod tests {
         levels[1][1].delta_a = Some(1e-4 / 3.0);
         levels[2][1].delta_a = Some(3.53e-4);
         let runs = [(StopRule::Signed, 1e12), (StopRule::Signed, 1e6), (StopRule::Printed, 0.5)];
-        let runs = runs.map(|(stop, r)| SaddleSettings { stop, r, ..SaddleSettings::default() });
-        let csv = table(&runs, &levels).csv();
+        let members = runs.map(|(stop, r)| {
+            let saddle = Some(SaddleSettings { stop, r, ..SaddleSettings::default() });
+            Member::from(Statement { saddle, ..Statement::usual(Domain::square(), "else=-1") })
+        });
+        let numbers = levels.map(|levels| Numbers {
+            details: [("grids".to_owned(), serde_json::json!(levels))].into_iter().collect(),
+            ..Numbers::default()
+        });
+        let csv = table_of_counts(&members, &numbers).csv();
         expect_test::expect![[r"
             rule,r,1/4,1/8,delta_a,capped 1/8,stop 1/4
             signed,1000000000000.0,2,,,false,diverged

@@ -1,7 +1,9 @@
 //! Accuracy that is asked for: the largest value that a guaranteed bound may have.
 
 use super::Bounds;
+use crate::problem::text::{Written, percent};
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// Largest value that a guaranteed bound may have.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -12,6 +14,13 @@ pub enum Accuracy {
     /// Width of the bracket of the energy, relative to the energy.
     #[serde(rename = "accuracy_energy")]
     Energy(f64),
+}
+
+impl fmt::Display for Accuracy {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let of = if matches!(self, Self::Energy(_)) { " of the energy" } else { "" };
+        write!(out, "accuracy{of} {}", Written(self.wanted()))
+    }
 }
 
 impl Accuracy {
@@ -28,6 +37,16 @@ impl Accuracy {
         match self {
             Self::Error(_) => bounds.relative(),
             Self::Energy(_) => bounds.relative_energy(),
+        }
+    }
+
+    /// Value of the bound, in words.
+    pub fn in_words(self, reached: f64) -> String {
+        let percent = percent(reached, 3);
+        match self {
+            _ if !reached.is_finite() => "error not below the solution".into(),
+            Self::Error(_) => format!("error at most {percent}"),
+            Self::Energy(_) => format!("error of the energy at most {percent}"),
         }
     }
 

@@ -11,6 +11,7 @@ use crate::discrete::network::Network;
 use crate::mesh::AnyMesh;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
+use crate::problem::text::percent;
 use crate::problem::unsolvable::Unsolvable;
 use crate::saddle::{Pair, Plain};
 use serde::{Deserialize, Serialize};
@@ -254,8 +255,8 @@ impl Problem {
         let moved = moved_jumps(lattices.finest(), lattices.source(), lattices.rule())?;
         Some(format!(
             "f jumps on grid lines, where the nodal load takes it from one side: that moves the jumps by half a cell, \
-             {:.1} % of the integral of |f|",
-            100.0 * moved
+             {} of the integral of |f|",
+            percent(moved, 2)
         ))
     }
 

@@ -188,6 +188,11 @@ impl Law {
         self == Self::SIGNORINI
     }
 
+    /// Name of the integral of dv/dn over the boundary, in words.
+    pub fn name_of_force(self) -> &'static str {
+        if self.is_signorini() { "contact force" } else { "flux through the boundary" }
+    }
+
     /// Law of -v, if this is the law of v.
     #[must_use]
     pub fn reflected(self) -> Self {

@@ -70,7 +70,8 @@ pub fn plain(number: f64, digits: usize) -> String {
 /// Returns a part of one as a percentage with so many significant digits, a whole number without zeros behind it.
 pub fn percent(part: f64, digits: usize) -> String {
     let text = plain(100.0 * part, digits);
-    format!("{} %", text.strip_suffix(".00").unwrap_or(&text))
+    let whole = text.split_once('.').filter(|(_, zeros)| zeros.bytes().all(|digit| digit == b'0'));
+    format!("{} %", whole.map_or(&*text, |(whole, _)| whole))
 }
 
 /// Returns the ends of an interval with the digits that tell them apart, rounded outwards.

@@ -187,8 +187,10 @@ pub(crate) fn saddle_together(
     let found = run_together(problem, settings[0].saddle.prolongation, &runs, monitors);
     let mut solutions = Vec::with_capacity(settings.len());
     for ((ends, Pair { y, .. }), Settings { solver, .. }) in found.into_iter().zip(settings) {
-        let level = ends.len() - 1;
-        let judgement = problem.judge_on(level, &y, &loads[level]);
+        let finest = problem.finest();
+        // A method that diverged on a coarser level leaves no number on the finest.
+        let y = if ends.len() > finest { y } else { vec![f64::NAN; loads[finest].len()] };
+        let judgement = problem.judge_on(finest, &y, &loads[finest]);
         let run = Run { solver: *solver, y, ends, first_level: 0, judgement };
         solutions.push(FoundSolution::Vector(run));
     }

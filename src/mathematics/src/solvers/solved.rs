@@ -55,6 +55,18 @@ impl ReachEnd {
             Self::NoSolution => "no solution",
         }
     }
+
+    /// Reason, in words.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Goal => "the error is as small as asked",
+            Self::Finest { .. } => "a finer mesh takes more memory than is left",
+            Self::MostNodes { .. } => "a finer mesh has more nodes than was asked for",
+            Self::Interrupted { .. } => "interrupted",
+            Self::Rounding { .. } => "the bound of the error no longer falls",
+            Self::NoSolution => "there is no solution",
+        }
+    }
 }
 
 /// Way to an accuracy.

@@ -70,11 +70,12 @@ impl PlaneChecks {
 impl fmt::Display for PlaneChecks {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { residual, balance, flux, sign, bracket } = self;
+        // Both are relative: what is as small is a rounding error.
+        let [flux, sign] = [*flux, *sign]
+            .map(|least| plain(if least.abs() < f64::EPSILON { 0.0 } else { least }, 2));
         write!(
             out,
-            "v where it is zero {residual:.1e}, balance {balance:.1e}, least room of the flux {}, least v {}",
-            plain(*flux, 2),
-            plain(*sign, 2)
+            "v where it is zero {residual:.1e}, balance {balance:.1e}, least room of the flux {flux}, least v {sign}"
         )?;
         bracket.map_or(Ok(()), |bracket| write!(out, ", bounds apart by {bracket:.1e}"))
     }

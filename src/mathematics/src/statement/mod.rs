@@ -2,13 +2,19 @@
 //! settings.
 //!
 //! Central is [`Statement`], plain data: a scene is a statement with a title and outputs, the options of `solve` are
-//! one, and so are the parameters of a task. [`Statement::problem`] makes the problem of it.
+//! one, and so are the parameters of a task. [`Statement::problem`] makes the problem of it, [`Statement::solve`] the
+//! answer, and [`Statement::judged`] the warnings and the failure of that.
 
 mod domain;
 mod fineness;
+mod judged;
+mod warning;
 
 pub use domain::Domain;
 pub use fineness::Fineness;
+pub use judged::Judged;
+pub use warning::{Failure, Warning};
+
 use fineness::{FIRST_CELLS, USUAL_NODES};
 
 use crate::bounds::Accuracy;

@@ -56,7 +56,7 @@ fn problems_with_an_accuracy_are_read_on_the_levels_that_reached_it() {
         with_solved(text, |inputs, scene| {
             let problem = problem(inputs, scene).unwrap();
             let [nodes, _] = problem.lengths();
-            assert_eq!(drawn(inputs, scene, None).unwrap().nodes, Some(nodes));
+            assert_eq!(drawn(inputs, scene, None).unwrap().last.nodes, Some(nodes));
             assert_eq!(pair(inputs, scene, None, &problem).unwrap().y.len(), nodes);
         });
     }
