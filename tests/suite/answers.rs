@@ -91,7 +91,7 @@ fn accuracy_chooses_the_grid_and_an_answer_without_a_bound_says_why() {
     ] {
         let json = project.answer(&format!("--f '{f}' --accuracy-energy {accuracy}"));
         assert!(number(&json["bound"]["relative"]["energy"]) <= accuracy, "{json}");
-        assert_eq!(json["settings"]["accuracy-energy"], accuracy);
+        assert_eq!(json["settings"]["accuracy_energy"], accuracy);
     }
     // Single nodes where contact ends keep large residuals, which a guaranteed bound makes no matter.
     let json = project.answer(
