@@ -1,4 +1,5 @@
-//! Numbers of an answer on each level: rows of tables, curves of pictures, `grids` in JSON and, of the last, beside them.
+//! Numbers of an answer on each level: rows of tables, curves of pictures, `grids` in JSON; those of the last level are
+//! numbers of the answer.
 
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::Bounds;

@@ -122,14 +122,14 @@ struct Tabulated {
     study: Study,
     /// Tasks that solve the members.
     tasks: Vec<String>,
-    form: Form,
+    form: TableForm,
     /// True for a published table, whose warnings the book explains.
     is_papers: bool,
 }
 
-/// Form of the table of a scene.
+/// TableForm of the table of a scene.
 #[derive(Clone, Copy, Serialize, Deserialize)]
-enum Form {
+enum TableForm {
     /// A row for each member with all its numbers.
     Members,
     /// The paper's form: a row for each rule and r with the counts on all grids.
@@ -141,9 +141,9 @@ enum Form {
 pub(crate) fn task(scene: &Scene) -> Task {
     let tasks: Vec<String> = ids(scene).collect();
     let form = match scene.first_rule() {
-        _ if scene.is_study => Form::Members,
-        Some(_) => Form::Counts,
-        None => Form::Levels,
+        _ if scene.is_study => TableForm::Members,
+        Some(_) => TableForm::Counts,
+        None => TableForm::Levels,
     };
     let mut study = Study { chart: None, ..scene.study.clone() };
     // A table of counts or levels shows the rule and r of a member alone, and is not made anew for another f.
@@ -167,18 +167,18 @@ impl Tabulated {
         let all = self.tasks.iter().map(|task| from_json(inputs, task, NUMBERS));
         let all = all.collect::<Result<Vec<Numbers>, _>>()?;
         let (table, given) = match self.form {
-            Form::Members => (study.table(&all), study.names.len()),
-            Form::Counts => (table_of_counts(&study.members, &all), 0),
-            Form::Levels => (table_of_levels(&all[0].levels()), 0),
+            TableForm::Members => (study.table(&all), study.names.len()),
+            TableForm::Counts => (table_of_counts(&study.members, &all), 0),
+            TableForm::Levels => (table_of_levels(&all[0].levels()), 0),
         };
         let counted = Study::counted(&table, &all);
         // All levels are of one member.
         let is_true = |row: usize| all[row.min(all.len() - 1)].has_true_energy();
         let few = with_few_digits(&counted, given, is_true);
         let (shown, mut note) = match self.form {
-            Form::Members => (study.page(&few, &all), Vec::new()),
-            Form::Counts => without_ends(&few),
-            Form::Levels => (few.with_columns(|column| USUAL.contains(&column)), Vec::new()),
+            TableForm::Members => (study.page(&few, &all), Vec::new()),
+            TableForm::Counts => without_ends(&few),
+            TableForm::Levels => (few.with_columns(|column| USUAL.contains(&column)), Vec::new()),
         };
         if !self.is_papers {
             note.extend(study.remarks(study.members.iter().zip(&all), MOST_REMARKS));
