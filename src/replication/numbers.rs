@@ -6,7 +6,6 @@ use crate::replication::record::{Advice, Record};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use signorini_mathematics::bounds::Bounds;
-use signorini_mathematics::levels::Reserve;
 use signorini_mathematics::problem::text::{interval, known, percent, plain};
 use signorini_mathematics::solvers::{Solved, Solver};
 use signorini_mathematics::statement::Statement;
@@ -124,7 +123,10 @@ impl Numbers {
         let levels = LevelNumbers::all(statement, solved);
         let last = levels.last().cloned().unwrap_or_default().with(bounds);
         let counts = solved.ends().iter().map(|end| end.end.iterations);
-        let reserves = solved.reserves().into_iter().map(Reserve::name).collect::<Vec<_>>();
+        let mut reserves = Vec::new();
+        for reserve in solved.reserves() {
+            reserves.push(reserve.name());
+        }
         Self {
             error_l2: errors.map(|errors| errors.l2),
             error_h1: errors.map(|errors| errors.h1),
@@ -189,7 +191,7 @@ impl Numbers {
         let domain = if in_space { "polyhedron" } else { "polygon" };
         let mut but = String::new();
         for reserve in self.reserve.iter().flat_map(|names| names.rsplit(' ')) {
-            but += &match reserve == Reserve::Polygon.name() {
+            but += &match reserve == "polygon" {
                 true => format!(", on the {domain}"),
                 false => ", but for the quadrature of f".into(),
             };

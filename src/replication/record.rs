@@ -11,7 +11,7 @@ pub(crate) use advice::{Advice, Adviser};
 use crate::replication::fields::table::Voice;
 use advice::{Remedy, combined};
 use signorini_mathematics::solvers::Solved;
-use signorini_mathematics::statement::{Failure, Judged, Statement};
+use signorini_mathematics::statement::{Failure, Statement};
 
 /// Warnings and failure of an answer, beside its numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,12 +26,12 @@ pub(crate) struct Record {
 impl Record {
     /// Judges the answer to a statement, with remedies in this voice.
     pub(crate) fn of((statement, voice): (&Statement, Voice), solved: &Solved) -> Self {
-        let Judged { warnings, failure } = statement.judged(solved);
+        let judged = statement.judged(solved);
         let found_by = solved.run().map_or(statement.solver, |run| run.solver);
         let adviser = Adviser { statement, voice, found_by };
-        let warnings: Vec<_> = warnings.iter().map(|of| adviser.on_warning(of)).collect();
-        let is_solution = failure.as_ref().is_none_or(Failure::is_of_accuracy);
-        let failure = failure.map(|failure| {
+        let warnings: Vec<_> = judged.warnings.iter().map(|of| adviser.on_warning(of)).collect();
+        let is_solution = judged.failure.as_ref().is_none_or(Failure::is_of_accuracy);
+        let failure = judged.failure.map(|failure| {
             let mut advice = adviser.on_failure(&failure);
             // Any of the doubts may be the reason.
             if let Failure::NotSolved { .. } = failure {

@@ -16,7 +16,6 @@ use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{Run, Solved, Solver};
-use signorini_mathematics::spectral::TrueSolution;
 
 /// Digits of an energy, unless more are asked for, and the most that a number has.
 const DIGITS: usize = 7;
@@ -120,7 +119,7 @@ impl Answer {
         }
         match (self.solved.truth(), self.solved.run()) {
             (Some(found), _) => {
-                text += &self.truth(found);
+                text += &self.truth();
                 text += &request.clock.text("setup", &format!(" ({} Newton steps)", found.steps));
             }
             (None, Some(run)) => {
@@ -139,7 +138,8 @@ impl Answer {
     }
 
     /// Returns a true solution in words.
-    fn truth(&self, found: &TrueSolution) -> String {
+    fn truth(&self) -> String {
+        let Some(found) = self.solved.truth() else { return String::new() };
         let law = self.solved.problem.law();
         let law = if law.is_signorini() { String::new() } else { format!("law {law}\n") };
         let energy =

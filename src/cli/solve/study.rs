@@ -189,7 +189,8 @@ pub(super) fn solve(args: &SolveArgs, asked: &Asked) -> Result<u8> {
         let head = paragraph(&format!("{}\n", asked.title));
         say(&(head + &in_columns(&for_people(study, &solved))))?;
         let remarks = study.remarks(study.members.iter().zip(&solved), MOST_REMARKS);
-        tell(&paragraph(&remarks.iter().map(|line| format!("{line}\n")).collect::<String>()))
+        let remarks: String = remarks.into_iter().flat_map(|line| [line, "\n".into()]).collect();
+        tell(&paragraph(&remarks))
     }?;
     csv.transpose()?;
     if let Some(file) = file.filter(|_| !args.json) {
