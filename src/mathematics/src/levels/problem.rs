@@ -132,11 +132,13 @@ impl Problem {
     /// Reason for which the domain has no solution with the curves of its boundary in place of the facets of the finest
     /// mesh, by an estimate; none where it has one.
     pub fn refusal_of_curves(&self) -> Option<Unsolvable> {
-        let refusal = || {
+        if !self.is_curved {
+            return None;
+        }
+        *self.refusal_of_curves.get_or_init(|| {
             let components = self.levels.components_on_curves();
             components.into_iter().find_map(|component| component.check(self.law, 0.0).err())
-        };
-        if self.is_curved { *self.refusal_of_curves.get_or_init(refusal) } else { None }
+        })
     }
 
     /// Line that the domain has no solution although the polygon or polyhedron of its mesh, which is solved, has one.

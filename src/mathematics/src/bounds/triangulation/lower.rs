@@ -137,11 +137,11 @@ fn square<const D: usize, const V: usize>(
         product(volume, &slopes, &slopes)
     };
     let runs = 0..mesh.cells().len().div_ceil(RUN);
-    let of_run = |run: usize| -> f64 {
-        (RUN * run..mesh.cells().len().min(RUN * (run + 1))).map(of_cell).sum()
-    };
     let each = items_per_task(runs.len(), COST * RUN);
-    map_range(runs, each, of_run).iter().sum()
+    let of_runs = map_range(runs, each, |run| -> f64 {
+        (RUN * run..mesh.cells().len().min(RUN * (run + 1))).map(of_cell).sum()
+    });
+    of_runs.iter().sum()
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Tetrahedra around a node: what the flux of the patch must carry, and the circulations around the edges at the node.
 //!
 //! The three other vertices are a, b and c. The circulation around the edge to a leaves through the side opposite to b
-//! and enters through the side opposite to c: it is the constant field `(c - b) / (3 volume)`, with the other sign where
-//! the node, a, b and c are in the negative sense; and so on around the cycle of a, b and c.
+//! and enters through the side opposite to c: it is the constant field `(c - b) / (3 volume)`, with the other sign
+//! where the node, a, b and c are in the negative sense; and so on around the cycle of a, b and c.
 
 use crate::mesh::{difference, dot};
 
