@@ -10,12 +10,14 @@ mod hard_loads;
 use signorini_mathematics::discrete::end::End;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::kkt;
-use signorini_mathematics::discrete::load::{LoadRule, load};
+use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::machine::memory::LargePages;
-use signorini_mathematics::multigrid::{self, Goal, Multigrid, MultigridParams};
+use signorini_mathematics::multigrid::{Goal, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::square::load::load;
+use signorini_mathematics::square::multigrid::{Multigrid, solve_square};
 use std::time::Instant;
 
 /// As the program has it.
@@ -79,8 +81,7 @@ fn one_problem(n: usize, f: &str, tolerance: f64, repeats: usize) {
         let start = Instant::now();
         let load = load(grid, &f, LoadRule::default());
         let params = MultigridParams { goal, ..MultigridParams::default() };
-        multigrid::solve_square(n, Law::SIGNORINI.with_load(&load), &params)
-            .expect("a solvable problem");
+        solve_square(n, Law::SIGNORINI.with_load(&load), &params).expect("a solvable problem");
         (1e9 * start.elapsed().as_secs_f64() / load.len() as f64, ())
     });
     let kkt = kkt(grid, Law::SIGNORINI, &y, &given).relative;

@@ -3,15 +3,15 @@
 use crate::common::{Dice, random_source};
 use crate::reference::REFERENCES;
 use rayon::prelude::*;
-use signorini_mathematics::bounds::{Bounds, NoBound, bounds};
+use signorini_mathematics::bounds::{Bounds, NoBound};
 use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::judge;
-use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
 use signorini_mathematics::discrete::stiffness::energy as discrete_energy;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{arcs, square_boundary};
-use signorini_mathematics::multigrid::{self, Goal, MultigridParams};
+use signorini_mathematics::multigrid::{Goal, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
@@ -19,18 +19,16 @@ use signorini_mathematics::problem::unsolvable::Unsolvable;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
 use signorini_mathematics::solvers::Refusal;
 use signorini_mathematics::spectral::TrueSolution;
+use signorini_mathematics::square::bounds::bounds;
+use signorini_mathematics::square::load::{integral, load};
+use signorini_mathematics::square::multigrid::solve_square;
 
 const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
 
 fn solved(n: usize, f: &Source, rule: LoadRule, goal: Goal) -> (Grid, Vec<f64>) {
     let grid = Grid::new(n).unwrap();
     let params = MultigridParams { goal, ..MultigridParams::default() };
-    (
-        grid,
-        multigrid::solve_square(n, Law::SIGNORINI.with_load(&load(grid, f, rule)), &params)
-            .unwrap()
-            .0,
-    )
+    (grid, solve_square(n, Law::SIGNORINI.with_load(&load(grid, f, rule)), &params).unwrap().0)
 }
 
 /// True solution on the square under the paper's law.
@@ -88,8 +86,7 @@ fn least_margin(f: &Source, cells: usize) -> f64 {
             (Goal::RoundingFloor, 1),
         ] {
             let params = MultigridParams { goal, max_cycles, ..MultigridParams::default() };
-            let (y, _) =
-                multigrid::solve_square(cells, Law::SIGNORINI.with_load(&load), &params).unwrap();
+            let (y, _) = solve_square(cells, Law::SIGNORINI.with_load(&load), &params).unwrap();
             judge(&(rule, goal, max_cycles), &y);
         }
         for max_iterations in [1, 10, 100] {
@@ -159,19 +156,15 @@ fn what_nearly_touches_is_answered_rightly_or_refused() {
 
 #[test]
 fn errors_of_known_solutions_lie_between_the_bounds() {
-    use signorini_mathematics::discrete::norms::errors;
+    use signorini_mathematics::square::errors::errors;
     for problem in Exact::ALL {
         let f = Source::from(problem);
         for n in [64, 128] {
             let grid = Grid::new(n).unwrap();
             let load = load(grid, &f, EXACT);
-            let y = multigrid::solve_square(
-                n,
-                Law::SIGNORINI.with_load(&load),
-                &MultigridParams::default(),
-            )
-            .unwrap()
-            .0;
+            let y = solve_square(n, Law::SIGNORINI.with_load(&load), &MultigridParams::default())
+                .unwrap()
+                .0;
             let error = errors(grid, problem, &y).h1;
             let [least, most] = bounds(grid, &f, Law::SIGNORINI, &y).unwrap().error;
             // The quadrature of the error is good to about 1e-4 of it.

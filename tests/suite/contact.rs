@@ -1,14 +1,15 @@
 //! Contact sets have the symmetries of f, and multipliers of the cube its total force, whatever rounding errors do.
 
 use crate::common::Dice;
-use crate::domains::{CubeMesh, run};
+use crate::domains::{CubeMesh, Domain, SquareGrid, run};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::judge;
-use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
 use signorini_mathematics::mesh::{arcs, square_boundary};
-use signorini_mathematics::multigrid::active_set::active_set;
-use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_square};
+use signorini_mathematics::multigrid::{Goal, MultigridParams};
 use signorini_mathematics::problem::shape::Shape;
+use signorini_mathematics::square::load::{integral, load};
+use signorini_mathematics::square::multigrid::solve_square;
 
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
@@ -21,7 +22,7 @@ fn solutions(n: usize, load: &[f64]) -> Vec<Vec<f64>> {
     let params = MultigridParams::default();
     let mut solutions = vec![solve_square(n, Law::SIGNORINI.with_load(load), &params).unwrap().0];
     if n <= 64 {
-        solutions.push(active_set(n, Law::SIGNORINI, load).unwrap().0);
+        solutions.push(SquareGrid(n).direct(load).unwrap());
     }
     solutions
 }

@@ -3,10 +3,10 @@
 use crate::common::Dice;
 use crate::domains::{CubeMesh, Domain, rough, run};
 use crate::solvers::{ALGEBRAIC, NETWORK_WORK_UNITS};
+use signorini_mathematics::discrete::end::Stop;
 use signorini_mathematics::discrete::norms::Errors;
-use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::mesh::mesh_errors;
-use signorini_mathematics::multigrid::active_set::active_set_on;
+use signorini_mathematics::multigrid::active_set::active_set;
 use signorini_mathematics::multigrid::{Goal, MultigridParams};
 use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem::exact::CubeExact;
@@ -180,7 +180,7 @@ fn the_solution_is_that_of_the_seven_point_matrix() {
             let problem = law.with_load(&load);
             let params = MultigridParams::default();
             let (y, _) = solve_nested_networks(&cube.levels, problem, &params).unwrap();
-            let (direct, _) = active_set_on(cube.network(), law, &load).unwrap();
+            let (direct, _) = active_set(cube.network(), law, &load, None).unwrap();
             for y in [y, direct] {
                 let far = places.iter().zip(&y).map(|(&place, y)| (y - expected[place]).abs());
                 let far = far.fold(0.0, f64::max) / largest;

@@ -8,20 +8,21 @@ use crate::solvers::{assert_threads_do_not_matter, distance};
 use proptest::prelude::*;
 use proptest::sample::select;
 use proptest::test_runner::TestCaseError;
-use signorini_mathematics::discrete::end::End;
+use signorini_mathematics::discrete::domain::LawAndLoad;
+use signorini_mathematics::discrete::end::{End, Stop};
+use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::judge;
-use signorini_mathematics::discrete::law_and_load::LawAndLoad;
 use signorini_mathematics::discrete::nested::NestedNetwork;
 use signorini_mathematics::discrete::network::Network;
-use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::mesh::{SpaceMesh, mesh_load, refined, uniform_cube};
-use signorini_mathematics::multigrid::active_set::{active_set, active_set_on};
-use signorini_mathematics::multigrid::{Goal, InputError, MultigridParams, solve_square};
+use signorini_mathematics::multigrid::active_set::active_set;
+use signorini_mathematics::multigrid::{Goal, InputError, MultigridParams};
 use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem::exact::CubeExact;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::problem::unsolvable::Unsolvable;
+use signorini_mathematics::square::multigrid::solve_square;
 use std::f64::consts::TAU;
 
 /// Name of a problem, and its load.
@@ -72,7 +73,8 @@ impl Domain for SquareGrid {
     }
 
     fn direct(&self, load: &[f64]) -> Result<Vec<f64>, InputError> {
-        active_set(self.0, Law::SIGNORINI, load).map(|(y, _)| y)
+        let network = Network::of_square(Grid::new(self.0).expect("fine enough"));
+        active_set(&network, Law::SIGNORINI, load, None).map(|(y, _)| y)
     }
 }
 
@@ -184,7 +186,7 @@ impl Domain for CubeMesh {
     }
 
     fn direct(&self, load: &[f64]) -> Result<Vec<f64>, InputError> {
-        active_set_on(self.network(), Law::SIGNORINI, load).map(|(y, _)| y)
+        active_set(self.network(), Law::SIGNORINI, load, None).map(|(y, _)| y)
     }
 }
 

@@ -1,8 +1,9 @@
 //! f by formulas: loads against closed forms and known solutions.
 
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
 use signorini_mathematics::mesh::{mesh_load, uniform_cube};
+use signorini_mathematics::square::load::{integral, load};
 
 use signorini_mathematics::problem::source::{Source, Tie};
 

@@ -4,8 +4,9 @@ use crate::browser::run_script;
 use serde_json::{Value, json};
 use signorini::replication::scene::Scene;
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
 use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::square::load::load;
 use std::fmt::Write;
 use std::path::Path;
 

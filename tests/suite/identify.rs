@@ -3,10 +3,10 @@
 use crate::common::{config, this_project};
 use proptest::prelude::*;
 use signorini_mathematics::discrete::grid::nested;
-use signorini_mathematics::discrete::load::load;
 use signorini_mathematics::identify::*;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{NestedGrids, Params, StopRule, solve_nested};
+use signorini_mathematics::square::load::load;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 const R: [f64; 5] = [1e6, 10.0, 5.0, 1.0, 0.5];

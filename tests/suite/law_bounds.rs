@@ -2,16 +2,19 @@
 
 use crate::common::Dice;
 use crate::laws::{FRICTION, FrictionProblem};
-use signorini_mathematics::bounds::{Bounds, NoBound, bounds};
+use signorini_mathematics::bounds::{Bounds, NoBound};
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::load::{LoadRule, load};
+use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{AnyMesh, uniform_cube};
-use signorini_mathematics::multigrid::{Goal, MultigridParams, solve_square};
+use signorini_mathematics::multigrid::{Goal, MultigridParams};
 use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::problem::unsolvable::Unsolvable;
 use signorini_mathematics::solvers::{Settings, Solver, solve};
+use signorini_mathematics::square::bounds::bounds;
+use signorini_mathematics::square::load::load;
+use signorini_mathematics::square::multigrid::solve_square;
 
 /// Largest width of the bracket at 1/256 for each problem with friction.
 const WIDTHS: [f64; 6] = [2e-8, 8e-8, 2e-9, 3e-7, 2e-8, 2e-6];

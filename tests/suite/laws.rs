@@ -2,22 +2,23 @@
 
 use crate::common::{Dice, gmsh_file};
 use crate::domains::CubeMesh;
-use signorini_mathematics::discrete::end::End;
+use signorini_mathematics::discrete::domain::LawAndLoad;
+use signorini_mathematics::discrete::end::{End, Stop};
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::kkt::judge;
-use signorini_mathematics::discrete::law_and_load::LawAndLoad;
-use signorini_mathematics::discrete::load::{LoadRule, load};
+use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::discrete::network::Network;
-use signorini_mathematics::discrete::stop::Stop;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::mesh::gmsh::read;
 use signorini_mathematics::mesh::{AnyMesh, refined};
-use signorini_mathematics::multigrid::active_set::{active_set, active_set_on};
-use signorini_mathematics::multigrid::{InputError, MultigridParams, solve_square};
+use signorini_mathematics::multigrid::active_set::active_set;
+use signorini_mathematics::multigrid::{InputError, MultigridParams};
 use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem::law::{BoundaryState, Law};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{NestedGrids, Pair, Params, StopRule, solve, solve_nested};
+use signorini_mathematics::square::load::load;
+use signorini_mathematics::square::multigrid::solve_square;
 
 /// Iterations of the paper's method for the problems with friction under the printed rule with r = 1e6 on 1/4 to 1/64,
 /// as a program written apart from this one counts them.
@@ -119,7 +120,7 @@ fn compare(
         let (law, load) = random_problem(network, &mut dice);
         let (y, outcome) = solve(law.with_load(&load)).unwrap();
         assert_eq!(outcome.stop, Stop::RoundingFloor, "{problem}: {law}");
-        let (expected, _) = active_set_on(network, law, &load).unwrap();
+        let (expected, _) = active_set(network, law, &load, None).unwrap();
         let judged = judge(network, law, &y, &load);
         let largest = expected.iter().fold(0.0f64, |most, value| most.max(value.abs()));
         let far = y.iter().zip(&expected).any(|(a, b)| (a - b).abs() > 1e-8 * largest);
@@ -216,8 +217,9 @@ fn minus_f_with_friction_gives_minus_v_to_the_last_bit() {
         let [(y, _), (minus, _)] =
             [&load, &opposite].map(|load| on_square(32, law.with_load(load)).unwrap());
         assert!(negative(&y) == minus, "{problem:?}: multigrid");
+        let network = &Network::of_square(grid);
         let [(y, _), (minus, _)] =
-            [&load, &opposite].map(|load| active_set(32, law, load).unwrap());
+            [&load, &opposite].map(|load| active_set(network, law, load, None).unwrap());
         assert!(negative(&y) == minus, "{problem:?}: active set");
         let params = Params { rule: StopRule::Printed, tolerance: 1e-3, ..Params::default() };
         let [(pair, run), (minus, other)] = [&load, &opposite].map(|load| {
@@ -239,8 +241,9 @@ fn a_limit_that_no_reaction_reaches_gives_the_bits_of_the_papers_law() {
         let most = judged.flux.iter().fold(0.0f64, |most, flux| most.max(*flux)) / grid.h();
         let limited = Law::limited(1.0001 * most).unwrap();
         assert!(y == on_square(32, limited.with_load(&load)).unwrap().0, "{f}");
+        let network = &Network::of_square(grid);
         let [(y, _), (z, _)] =
-            [Law::SIGNORINI, limited].map(|law| active_set(32, law, &load).unwrap());
+            [Law::SIGNORINI, limited].map(|law| active_set(network, law, &load, None).unwrap());
         assert!(y == z, "{f}");
         // A limit below the largest reaction is felt.
         let felt = Law::limited(0.7 * most).unwrap();
@@ -282,7 +285,7 @@ fn components_may_slip_in_opposite_directions() {
     let (y, outcome) =
         solve_nested_networks(&levels, law.with_load(&load), &MultigridParams::default()).unwrap();
     assert_eq!(outcome.stop, Stop::RoundingFloor);
-    let (expected, _) = active_set_on(network, law, &load).unwrap();
+    let (expected, _) = active_set(network, law, &load, None).unwrap();
     let mut left = 0.0f64;
     for (node, [x, y_at]) in mesh.points().iter().enumerate() {
         assert!((y[node] - expected[node]).abs() < 1e-10, "{} {}", y[node], expected[node]);

@@ -1,9 +1,10 @@
 //! Loads do not change when a half-plane is scaled, and turn with the cube; those of smooth f fit either diagonal.
 
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
 use signorini_mathematics::mesh::{mesh_load, uniform_cube};
 use signorini_mathematics::problem::shape::Shape;
+use signorini_mathematics::square::load::load;
 
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::source::Source;

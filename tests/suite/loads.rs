@@ -4,10 +4,11 @@ use crate::common::Dice;
 use crate::solvers::on_threads;
 use signorini_mathematics::discrete::cells::Cells;
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::load::{Diagonal, LoadRule, integral, load};
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
 use signorini_mathematics::mesh::{mesh_load, uniform_cube};
 use signorini_mathematics::problem::shape::{QUADRANTS, Shape};
 use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::square::load::{integral, load};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 

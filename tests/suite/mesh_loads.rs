@@ -4,11 +4,12 @@ use crate::common::{Dice, Project, TABLE, mesh, mesh_path, number};
 use serde_json::json;
 use signorini_mathematics::discrete::cells::CutCube;
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
 use signorini_mathematics::mesh::{
     AnyMesh, ConstantPieces, Mesh, MeshData, OnCells, PlaneMesh, mesh_load, uniform_cube,
     uniform_square,
 };
+use signorini_mathematics::square::load::load;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 

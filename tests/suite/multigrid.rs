@@ -6,19 +6,19 @@ use crate::edits::number;
 use crate::hard_loads::stress_loads;
 use crate::solvers::{ALGEBRAIC, BYTES, HARD_WORK_UNITS, TEXTBOOK, WORK_UNITS, distance_in_h1};
 use rayon::prelude::*;
-use signorini_mathematics::discrete::end::End;
+use signorini_mathematics::discrete::end::{End, Stop};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::kkt;
-use signorini_mathematics::discrete::load::{Diagonal, LoadRule, load};
-use signorini_mathematics::discrete::norms::{Errors, errors, multiplier_error};
+use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
+use signorini_mathematics::discrete::norms::Errors;
 use signorini_mathematics::discrete::stiffness::energy;
-use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::multigrid::{
-    Goal, InputError, Multigrid, MultigridParams, solve_square,
-};
+use signorini_mathematics::multigrid::{Goal, InputError, MultigridParams};
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::{Source, Tie};
+use signorini_mathematics::square::errors::{errors, multiplier_error};
+use signorini_mathematics::square::load::load;
+use signorini_mathematics::square::multigrid::{Multigrid, solve_square};
 
 fn grid(n: usize) -> Grid {
     Grid::new(n).unwrap()

@@ -4,17 +4,17 @@ use crate::common::this_project as project;
 use signorini::replication::comparison::Row;
 use signorini::replication::paper::Paper;
 use signorini::replication::scene::Scene;
-use signorini_mathematics::discrete::end::Outcome;
+use signorini_mathematics::discrete::end::{Outcome, Stop};
 use signorini_mathematics::discrete::grid::{Grid, nested};
-use signorini_mathematics::discrete::load::load;
 use signorini_mathematics::discrete::network::Network;
-use signorini_mathematics::discrete::norms::max_error;
-use signorini_mathematics::discrete::stop::Stop;
+use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{
     Iteration, Monitor, NestedGrids, Pair, Params, StopRule, arrow_hurwicz, run_nested, solve,
     solve_nested, tolerance,
 };
+use signorini_mathematics::square::errors::errors;
+use signorini_mathematics::square::load::load;
 
 fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
     let loads: Vec<_> =
@@ -122,16 +122,16 @@ fn counts_hold_each_value_of_f_within_a_few_thousandths() {
 }
 
 /// Keeps the greatest nodal error on each grid.
-struct ErrorsOnGrids<'a, F> {
-    exact: F,
+struct ErrorsOnGrids<'a> {
+    exact: Exact,
     grids: &'a [Grid],
     largest: Vec<f64>,
 }
 
-impl<F: Fn(f64, f64) -> f64> Monitor for ErrorsOnGrids<'_, F> {
+impl Monitor for ErrorsOnGrids<'_> {
     fn level(&mut self, pair: &Pair, _: &[Iteration]) {
         let grid = self.grids[self.largest.len()];
-        self.largest.push(max_error(grid, &pair.y, &self.exact));
+        self.largest.push(errors(grid, self.exact, &pair.y).max);
     }
 }
 
@@ -140,7 +140,7 @@ fn errors_fall_with_the_square_of_the_width_when_iterated_to_the_end() {
     let project = project();
     let scene = project.scene("full-contact").unwrap();
     let exact = scene.source().exact().unwrap();
-    let mut errors = Vec::new();
+    let mut found = Vec::new();
     for n in [8, 16, 32] {
         let grid = Grid::new(n).unwrap();
         let params =
@@ -154,11 +154,11 @@ fn errors_fall_with_the_square_of_the_width_when_iterated_to_the_end() {
         );
         assert_eq!(outcome.end.stop, Stop::Converged);
         assert!(outcome.kkt.relative < 1e-6, "{:?}", outcome.kkt);
-        errors.push(max_error(grid, &pair.y, |x, y| exact.at(x, y).value));
+        found.push(errors(grid, exact, &pair.y).max);
     }
-    for pair in errors.windows(2) {
+    for pair in found.windows(2) {
         let order = (pair[0] / pair[1]).log2();
-        assert!((order - 2.0).abs() < 0.1, "order {order} of {errors:?}");
+        assert!((order - 2.0).abs() < 0.1, "order {order} of {found:?}");
     }
 }
 
@@ -172,8 +172,7 @@ fn stopping_by_ten_to_the_minus_n_spoils_that_order() {
     let loads: Vec<_> =
         grids.iter().map(|&grid| load(grid, &scene.source(), scene.load())).collect();
     let params = Params { r: 10.0, rule: StopRule::Printed, ..Params::default() };
-    let mut errors =
-        ErrorsOnGrids { exact: |x, y| exact.at(x, y).value, grids: &grids, largest: Vec::new() };
+    let mut errors = ErrorsOnGrids { exact, grids: &grids, largest: Vec::new() };
     solve_nested(
         &NestedGrids { grids: &grids, prolongation: scene.saddle().prolongation },
         Law::SIGNORINI,

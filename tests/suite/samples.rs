@@ -2,9 +2,9 @@
 
 use proptest::prelude::ProptestConfig;
 use proptest::test_runner::RngSeed;
-use signorini_mathematics::discrete::load::integral;
 use signorini_mathematics::mesh::{AnyMesh, gmsh};
 use signorini_mathematics::problem::source::Source;
+use signorini_mathematics::square::load::integral;
 use std::collections::BTreeMap;
 use std::fs;
 

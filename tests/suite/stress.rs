@@ -2,12 +2,13 @@
 
 use crate::common::config;
 use proptest::prelude::*;
+use signorini_mathematics::discrete::end::Stop;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::kkt;
-use signorini_mathematics::discrete::load::{LoadRule, load};
-use signorini_mathematics::discrete::stop::Stop;
+use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
+use signorini_mathematics::square::load::load;
 
 #[test]
 fn what_is_not_a_number_is_never_a_result() {

@@ -2,7 +2,7 @@
 
 use crate::common::{Dice, gmsh_file};
 use signorini_mathematics::bounds::Accuracy;
-use signorini_mathematics::discrete::stop::Stop;
+use signorini_mathematics::discrete::end::Stop;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{AnyMesh, Condition, Facet, MeshData, Names, Part};
 use signorini_mathematics::problem::law::{Law, LawParameter};

@@ -1,7 +1,7 @@
 //! Problems on triangulations: unlike solvers, and guaranteed brackets.
 
 use crate::common::{Dice, mesh};
-use signorini_mathematics::discrete::stop::Stop;
+use signorini_mathematics::discrete::end::Stop;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{AnyMesh, Condition};
 use signorini_mathematics::problem::law::Law;

@@ -16,7 +16,7 @@
 //! | know how far it is from the true solution, guaranteed | [`levels::Problem::bounds`] |
 //! | read a mesh of Gmsh, or take a built-in one | [`mesh::gmsh::read`], [`mesh::AnyMesh::built_in`] |
 //! | read the paper's method as the paper writes it | [`saddle::Plain`] |
-//! | solve many loads on one grid of the square | [`multigrid::Multigrid`] |
+//! | solve many loads on one grid of the square | [`square::multigrid::Multigrid`] |
 //! | have the true solution on a domain in the plane | [`levels::Problem::true_solution`] |
 //! | know v and its gradient at a point | [`solvers::Solved::values_at`], [`levels::Problem::values_at`] |
 //! | write files for NumPy, ParaView | [`levels::Problem::npz`], [`levels::Problem::vtk`] of [`solvers::Run::pair`] |
@@ -95,4 +95,5 @@ pub mod problem;
 pub mod saddle;
 pub mod solvers;
 pub mod spectral;
+pub mod square;
 pub mod statement;

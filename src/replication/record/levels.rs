@@ -3,8 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 use signorini_mathematics::bounds::Bounds;
-use signorini_mathematics::discrete::end::Outcome;
-use signorini_mathematics::discrete::stop::Stop;
+use signorini_mathematics::discrete::end::{Outcome, Stop};
 use signorini_mathematics::solvers::Solved;
 use signorini_mathematics::statement::Statement;
 

@@ -1,8 +1,8 @@
 //! Defaults of scenes, what is read back, and mistakes.
 
 use super::*;
-use signorini_mathematics::discrete::load::integrals;
 use signorini_mathematics::solvers::Solver;
+use signorini_mathematics::square::load::integrals;
 
 const GOOD: &str = "title = \"t\"\nf = \"else=-1\"\noutputs = [\"table\"]\n";
 

@@ -15,7 +15,7 @@ use crate::replication::scene::{Output, Scene};
 use polars::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use signorini_mathematics::discrete::stop::Stop;
+use signorini_mathematics::discrete::end::Stop;
 use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::saddle::{StopRule, tolerance};
 use signorini_mathematics::solvers::SaddleSettings;

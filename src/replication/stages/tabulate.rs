@@ -14,7 +14,7 @@ use crate::replication::scene::Scene;
 use crate::replication::study::Study;
 use crate::table::{Table, in_markdown};
 use serde::{Deserialize, Serialize};
-use signorini_mathematics::discrete::stop::Stop;
+use signorini_mathematics::discrete::end::Stop;
 use signorini_mathematics::problem::text::interval;
 use signorini_mathematics::saddle::StopRule;
 use signorini_mathematics::statement::{Domain, Statement};

@@ -4,7 +4,7 @@ use crate::problem::law::Law;
 
 /// Part of the boundary: an edge, a facet, or the surroundings of a node.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BoundaryPart {
+pub(crate) struct BoundaryPart {
     /// Flux out through the part.
     pub flux: f64,
     /// Length or area.
@@ -14,7 +14,7 @@ pub(super) struct BoundaryPart {
 /// Signs that a function in K may have on the boundary: those under which the law's term of the energy is finite, or
 /// some of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Slips {
+pub(crate) struct Slips {
     /// Values above 0, which slip to the lower end of the interval.
     pub up: bool,
     /// Values below 0, which slip to the upper end.
@@ -23,12 +23,12 @@ pub(super) struct Slips {
 
 impl Slips {
     /// Signs that a law allows.
-    pub(super) fn of_law(law: Law) -> Self {
+    pub(crate) fn of_law(law: Law) -> Self {
         Self { up: law.lo().is_finite(), down: law.hi().is_finite() }
     }
 
     /// Zero in place of a value with a sign that is left out; else the value, also if it is no number.
-    pub(super) fn keep(self, value: f64) -> f64 {
+    pub(crate) fn keep(self, value: f64) -> f64 {
         let is_left_out = (value > 0.0 && !self.up) || (value < 0.0 && !self.down);
         if is_left_out { 0.0 } else { value }
     }
@@ -57,7 +57,7 @@ impl Signs {
 /// Coefficient of the bubble on an edge of the boundary, limited so that the recovery has the sign of the values p and
 /// q at the ends: the Bernstein coefficients are p, (p + q - c) / 2 and q. Zero where p and q have different signs.
 #[inline(always)]
-pub(super) fn limit_bubble(bubble: f64, ends: [f64; 2]) -> f64 {
+pub(crate) fn limit_bubble(bubble: f64, ends: [f64; 2]) -> f64 {
     let [p, q] = ends;
     if p == 0.0 && q == 0.0 {
         return 0.0;
@@ -71,7 +71,7 @@ pub(super) fn limit_bubble(bubble: f64, ends: [f64; 2]) -> f64 {
 
 /// Law over parts of the boundary of one measure: the interval of the flux through a part.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PartLaw {
+pub(crate) struct PartLaw {
     /// Least flux.
     pub least: f64,
     /// Largest flux.
@@ -79,7 +79,7 @@ pub(super) struct PartLaw {
 }
 
 impl PartLaw {
-    pub(super) fn new(law: Law, measure: f64) -> Self {
+    pub(crate) fn new(law: Law, measure: f64) -> Self {
         Self { least: measure * law.lo(), most: measure * law.hi() }
     }
 
@@ -90,7 +90,7 @@ impl PartLaw {
     }
 
     /// Sum of the absolute values of the ends that v with these values slips to; zero where v is.
-    pub(super) fn ends_in_use(self, values: &[f64]) -> f64 {
+    pub(crate) fn ends_in_use(self, values: &[f64]) -> f64 {
         let is_up = values.iter().any(|value| *value > 0.0);
         let is_down = values.iter().any(|value| *value < 0.0);
         let up = if is_up { self.end(Signs::Up).abs() } else { 0.0 };
@@ -99,12 +99,12 @@ impl PartLaw {
     }
 
     /// Distance of a flux from the nearer end of the interval; negative outside.
-    pub(super) fn room(self, flux: f64) -> f64 {
+    pub(crate) fn room(self, flux: f64) -> f64 {
         (flux - self.least).min(self.most - flux)
     }
 
     /// Point of the interval next to a flux. A NaN stays one.
-    pub(super) fn clamp(self, flux: f64) -> f64 {
+    pub(crate) fn clamp(self, flux: f64) -> f64 {
         if flux < self.least {
             self.least
         } else if flux > self.most {
@@ -115,14 +115,14 @@ impl PartLaw {
     }
 
     /// Interval with ends that are further inside by `room`, if it is so wide.
-    pub(super) fn within(self, room: f64) -> Self {
+    pub(crate) fn within(self, room: f64) -> Self {
         let inside = Self { least: self.least + room, most: self.most - room };
         if inside.least <= inside.most { inside } else { self }
     }
 
     /// Integral of j(w) over a part, for the linear function with these values at the vertices of the part, less a
     /// bubble.
-    pub(super) fn potential<const N: usize>(self, values: [f64; N], bubble: f64) -> f64 {
+    pub(crate) fn potential<const N: usize>(self, values: [f64; N], bubble: f64) -> f64 {
         let signs = Signs::find(&values);
         match signs {
             Signs::Up | Signs::Down => -self.end(signs) * (mean(values) - bubble / 6.0),
@@ -135,7 +135,7 @@ impl PartLaw {
     }
 
     /// Integral of `j(w) + sigma.n w` over an edge of the grid, sigma.n the linear function with `fluxes` at the ends.
-    pub(super) fn work(self, values: [f64; 2], fluxes: [f64; 2], bubble: f64) -> f64 {
+    pub(crate) fn work(self, values: [f64; 2], fluxes: [f64; 2], bubble: f64) -> f64 {
         match Signs::find(&values) {
             Signs::Both => flux_work(values, fluxes, bubble) + self.potential(values, bubble),
             signs => flux_work(values, fluxes.map(|flux| flux - self.end(signs)), bubble),
@@ -144,7 +144,7 @@ impl PartLaw {
 
     /// Integral of `j(w) + sigma.n w` over a facet, both linear functions there: `fluxes` has what would leave if the
     /// density were that at the vertex everywhere.
-    pub(super) fn work_of_facet<const N: usize>(self, values: [f64; N], fluxes: [f64; N]) -> f64 {
+    pub(crate) fn work_of_facet<const N: usize>(self, values: [f64; N], fluxes: [f64; N]) -> f64 {
         match Signs::find(&values) {
             Signs::Both => mean_product(values, fluxes) + self.potential(values, 0.0),
             signs => mean_product(values, fluxes.map(|flux| flux - self.end(signs))),
@@ -159,7 +159,7 @@ fn flux_work(v: [f64; 2], a: [f64; 2], bubble: f64) -> f64 {
 }
 
 /// Mean of the product of two linear functions on an edge or a triangle.
-pub(super) fn mean_product<const N: usize>(one: [f64; N], two: [f64; N]) -> f64 {
+pub(crate) fn mean_product<const N: usize>(one: [f64; N], two: [f64; N]) -> f64 {
     let products: f64 = one.iter().zip(two).map(|(a, b)| a * b).sum();
     let sums = one.iter().sum::<f64>() * two.iter().sum::<f64>();
     (products + sums) / (N * (N + 1)) as f64
@@ -190,7 +190,7 @@ fn single_positive_mean<const N: usize>(values: [f64; N]) -> f64 {
 /// becomes `sum`. Parts at an end of the interval, where v slips, move only if the others cannot balance the sum.
 ///
 /// The interval must be bounded. A sum out of reach is missed.
-pub(super) fn shift_to_sum(law: Law, parts: &mut [BoundaryPart], sum: f64) {
+pub(crate) fn shift_to_sum(law: Law, parts: &mut [BoundaryPart], sum: f64) {
     for with_ends in [false, true] {
         let mut open: Vec<usize> = (0..parts.len()).collect();
         if !with_ends {

@@ -1,10 +1,13 @@
-//! The grid or network on which a discrete problem is posed.
+//! The discrete problem: the grid or network on which it is posed, with its connected components, the law on the
+//! boundary, and the load vector.
+//!
+//! A solver takes law and load at once. Neither is a setting of the solver, and neither has a default, so that no caller
+//! can forget the law.
 
-use super::components::components;
 use super::grid::Grid;
 use super::load_stats::LoadStats;
-use super::network::Network;
-use crate::problem::law::ContactNode;
+use super::network::{Network, count_components};
+use crate::problem::law::{ContactNode, Law};
 use crate::problem::unsolvable::Component;
 use std::borrow::Cow;
 
@@ -75,5 +78,46 @@ impl<'a> DiscreteDomain<'a> {
             }
             Self::Network(network) => components(network, &network.components(), load),
         }
+    }
+}
+
+/// Components of a network with a load vector. `of_nodes` has the number of each node's component, from 0 on.
+pub(crate) fn components(network: &Network, of_nodes: &[u32], load: &[f64]) -> Vec<Component> {
+    let count = count_components(of_nodes);
+    let mut loads = vec![Vec::new(); count];
+    if count > 1 {
+        for (&component, value) in of_nodes.iter().zip(load) {
+            loads[component as usize].push(*value);
+        }
+    }
+    let mut found = Vec::with_capacity(count);
+    for (number, part) in (1..).zip(&loads) {
+        let integral = LoadStats::measure(if count > 1 { part } else { load }).sum();
+        let number = (count > 1).then_some(number);
+        let has_fixed = false;
+        found.push(Component { number, has_fixed, has_parts: true, measure: 0.0, integral });
+    }
+    for &node in network.fixed() {
+        found[of_nodes[node as usize] as usize].has_fixed = true;
+    }
+    for contact in network.contact() {
+        found[of_nodes[contact.node] as usize].measure += contact.measure;
+    }
+    found
+}
+
+/// Law on the boundary, and load vector.
+#[derive(Clone, Copy, Debug)]
+pub struct LawAndLoad<'a> {
+    /// Law on the boundary.
+    pub law: Law,
+    /// Load vector F (6), one number per node.
+    pub load: &'a [f64],
+}
+
+impl Law {
+    /// Returns this law with a load vector.
+    pub fn with_load(self, load: &[f64]) -> LawAndLoad<'_> {
+        LawAndLoad { law: self, load }
     }
 }

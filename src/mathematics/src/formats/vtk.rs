@@ -1,7 +1,7 @@
 //! VTK XML files whose arrays are raw little-endian numbers after the text.
 
-use super::fields::{FieldPlace, SolutionFields};
-use super::npy::{doubles, integers};
+use super::zip::{doubles, integers};
+use super::{FieldPlace, SolutionFields};
 use crate::discrete::grid::Grid;
 use crate::mesh::AnyMesh;
 use crate::problem::text::is_forbidden;
@@ -153,7 +153,7 @@ impl Appended {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::fields::tests::counted;
+    use crate::formats::tests::counted;
     use crate::mesh::{BuiltIn, PlaneInSpace};
 
     /// Bytes of the array of this name in a VTK XML file.

@@ -9,8 +9,8 @@ use super::search::SearchReport;
 use super::space::Geometry;
 use super::variant::Variant;
 use super::{IdentifyError, Target};
-use crate::discrete::load::load;
 use crate::problem::source::Source;
+use crate::square::load::load;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::AtomicBool;
 

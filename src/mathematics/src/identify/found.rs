@@ -3,7 +3,7 @@
 use super::agrees;
 use super::evaluate::{Evaluator, Table};
 use super::space::Geometry;
-use crate::discrete::load::integral;
+use crate::square::load::integral;
 use serde::{Deserialize, Serialize};
 
 /// A right-hand side, and how much of the table comes out.

@@ -163,7 +163,7 @@ fn decimal(text: &str) -> Option<(i64, u32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::discrete::load::integral;
+    use crate::square::load::integral;
 
     #[test]
     fn the_pieces_of_quadrants_are_those_with_an_area() {

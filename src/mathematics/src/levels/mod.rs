@@ -7,29 +7,24 @@
 //! [`Levels::discrete`].
 
 mod bisected;
-mod contact;
-mod error;
-mod errors;
 mod lattices;
 mod problem;
-mod steps;
 mod triangulations;
-mod values;
+mod vectors;
 
-pub use error::ProblemError;
 pub use lattices::Lattices;
 pub use problem::{Problem, Reserve};
-pub use steps::{Step, Watch};
 pub(crate) use triangulations::{Triangulations, VectorErrors, read};
 
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::nested::NestedNetwork;
-use crate::mesh::{AnyMesh, ClosedCurve, PlaneMesh};
+use crate::mesh::{AnyMesh, ClosedCurve, MeshError, PlaneMesh};
+use crate::multigrid::InputError;
 use crate::problem::error::SourceError;
 use crate::problem::exact::Known;
 use crate::problem::law::Law;
-use crate::problem::unsolvable::Component;
+use crate::problem::unsolvable::{Component, Unsolvable};
 use std::borrow::Cow;
 
 /// Geometry and load of the nested discrete problems of one domain and one f. Levels are numbered from 0 on, coarsest
@@ -154,6 +149,32 @@ pub(crate) fn check_missed(missed: Option<f64>) -> Result<(), NoBound> {
     }
 }
 
+/// Reason for which there is no problem with a unique solution.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ProblemError {
+    /// The mesh cannot be refined.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The text is no f, or f is not finite at some point, or too large or too small to compute with.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// f is not finite at some point.
+    #[error("f is not finite at some point; give a formula with finite values on the whole domain")]
+    NotFinite,
+    /// No bound of the error, by which a mesh would be refined.
+    #[error("no bound of the error: {0}")]
+    Bound(#[from] NoBound),
+    /// Refused by a solver.
+    #[error(transparent)]
+    Solver(#[from] InputError),
+    /// No flux can balance f on the polygon or polyhedron of the mesh, but on the domain with its curves.
+    #[error("{0}, or refine the mesh: with the curves of its boundary the domain has a solution")]
+    Coarse(Unsolvable),
+    /// No flux can balance f.
+    #[error(transparent)]
+    Unsolvable(#[from] Unsolvable),
+}
+
 /// Mesh of a picture, which may be coarser than the finest one.
 pub struct Drawing {
     /// Mesh.
@@ -176,3 +197,19 @@ impl Facts {
         ROUNDING * self.size.abs()
     }
 }
+
+/// Step that has just ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// A mesh and its matrix.
+    Mesh,
+    /// f on the cells, and the load vector.
+    Load,
+    /// A solution.
+    Solver,
+    /// Judgement and bounds of a solution.
+    Bounds,
+}
+
+/// Is told each step that has ended, by the thread that was at it: a mesh and its load are made at the same time.
+pub type Watch<'a> = &'a (dyn Fn(Step) + Sync);

@@ -5,7 +5,7 @@ use crate::bounds::{Bounds, NoBound};
 use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, has_solution, judge};
-use crate::discrete::load::{LoadRule, moved_jumps};
+use crate::discrete::load::LoadRule;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::mesh::AnyMesh;
@@ -253,8 +253,7 @@ impl Problem {
 
     /// Line that the load vector of the square moves jumps of f, where that matters; the load of meshes moves none.
     pub fn note_on_jumps(&self) -> Option<String> {
-        let lattices = self.lattices()?;
-        let moved = moved_jumps(lattices.finest(), lattices.source(), lattices.rule())?;
+        let moved = self.lattices()?.moved_jumps()?;
         Some(format!(
             "f jumps on grid lines, where the nodal load takes it from one side: that moves the jumps by half a cell, \
              {} of the integral of |f|",

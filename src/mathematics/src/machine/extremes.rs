@@ -1,4 +1,4 @@
-//! Least and greatest of two numbers, named after what becomes of NaN.
+//! Least and greatest of two numbers, named after what becomes of NaN, and a sum with its error by rounding.
 
 /// The lesser of two numbers, NaN if either is; `f64::min` would pass over it.
 #[inline(always)]
@@ -22,6 +22,13 @@ pub(crate) fn max_or_second(a: f64, b: f64) -> f64 {
 pub(crate) fn range(values: &[f64]) -> [f64; 2] {
     let none = [f64::INFINITY, f64::NEG_INFINITY];
     values.iter().fold(none, |[least, greatest], &value| [least.min(value), greatest.max(value)])
+}
+
+/// Sum of two numbers and its remainder, which is a number (Knuth).
+pub(crate) fn two_sum(a: f64, b: f64) -> [f64; 2] {
+    let sum = a + b;
+    let of_b = sum - a;
+    [sum, (a - (sum - of_b)) + (b - of_b)]
 }
 
 #[cfg(test)]

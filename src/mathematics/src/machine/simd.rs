@@ -134,16 +134,19 @@ pub(crate) fn with_each<R: Send>(work: impl Fn() -> R + Sync) -> Vec<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bounds::bounds;
-    use crate::discrete::load::{Diagonal, LoadRule, load};
-    use crate::discrete::{grid::Grid, norms};
+    use crate::discrete::grid::Grid;
+    use crate::discrete::load::{Diagonal, LoadRule};
     use crate::levels::Problem;
-    use crate::multigrid::{Goal, MultigridParams, solve_square};
+    use crate::multigrid::{Goal, MultigridParams};
     use crate::problem::exact::Exact;
     use crate::problem::law::Law;
     use crate::problem::source::Source;
     use crate::saddle::batch::{LANES, Lanes, Order};
     use crate::saddle::{Engine, GradientMeasure, Method, Pair, RunStart};
+    use crate::square::bounds::bounds;
+    use crate::square::errors::errors;
+    use crate::square::load::load;
+    use crate::square::multigrid::solve_square;
     use std::fmt::Debug;
 
     /// Two arcs of contact and one, with straight jumps and with circles.
@@ -181,7 +184,7 @@ mod tests {
         // Rows that are no multiple of the lanes.
         let grid = Grid::new(37).expect("fine enough");
         let y = waves(grid.nodes());
-        Exact::ALL.iter().for_each(|&exact| compare(|| norms::errors(grid, exact, &y)));
+        Exact::ALL.iter().for_each(|&exact| compare(|| errors(grid, exact, &y)));
     }
 
     #[test]

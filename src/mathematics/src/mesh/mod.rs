@@ -3,7 +3,6 @@
 //! D is the dimension; a cell, a triangle or tetrahedron, has V = D + 1 vertices, a facet, an edge or triangle, has D.
 
 mod any;
-mod arcs;
 mod assemble;
 mod at;
 mod ball;
@@ -14,7 +13,6 @@ mod builtin;
 mod check;
 mod curve;
 mod cut;
-mod cut_plane;
 mod cut_space;
 mod edges;
 mod error;
@@ -33,20 +31,18 @@ mod overlap;
 mod pinched;
 mod refine;
 mod same_place;
-mod shared;
 mod sides;
 mod source;
 mod split;
 mod surface;
-mod uniform;
 
 pub use any::AnyMesh;
-pub use arcs::arcs;
 pub use assemble::assemble;
 pub(crate) use assemble::assemble_sides;
 pub use at::PointValue;
 pub(crate) use beyond::{CurveGain, curve_gains};
 pub(crate) use bisect::{Bisected, bisect, is_stretched, label_longest_edges, quarter};
+pub use boundary::arcs;
 pub(crate) use boundary::boundary_curves;
 pub use boundary::{ClosedCurve, square_boundary};
 pub use builtin::{BUILT_IN, BuiltIn};
@@ -56,6 +52,7 @@ pub(crate) use edges::Edges;
 pub use error::MeshError;
 pub use errors::mesh_errors;
 
+pub use builtin::{lattice_mesh, uniform_cube, uniform_square};
 pub(crate) use facets::{sides_of, sorted};
 pub use geometry::{Element, centroid, size, volume};
 use geometry::{bounds, longest_side};
@@ -69,7 +66,6 @@ pub(crate) use origin::{MeshOrigin, PlaneInSpace};
 pub use refine::{Refined, refine};
 pub(crate) use sides::{BoundarySide, Neighbour, Sides};
 pub(crate) use source::on_regions;
-pub use uniform::{lattice_mesh, uniform_cube, uniform_square};
 
 /// Condition on a part of the boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -22,15 +22,13 @@
 mod falling;
 mod states;
 
-pub(super) use states::StateProblem;
+pub(crate) use states::StateProblem;
 
 use super::direct::{Direct, FactorOrder};
-use super::input::{InputError, check_length, check_load};
-use crate::discrete::components::components;
-use crate::discrete::end::End;
-use crate::discrete::grid::Grid;
+use super::{InputError, check_length, check_load};
+use crate::discrete::domain::components;
+use crate::discrete::end::{End, Stop};
 use crate::discrete::network::Network;
-use crate::discrete::stop::Stop;
 use crate::problem::law::{BoundaryState, Law};
 use falling::fall;
 
@@ -46,22 +44,8 @@ pub const MOST_NODES_IN_SPACE: usize = 25 * 25 * 25;
 /// Limit on the number of primal-dual steps. Usual are below 20; on strips each moves an end of contact by a node.
 const MAX_STEPS: usize = 30;
 
-/// Minimises the energy `1/2 y'Ay - F'y` with the law's term on the boundary; see [`solve_square`](super::solve_square)
-/// for `A` and the layout of `load` and the solution. Starts with all boundary nodes at zero. Ends as
-/// [`active_set_on`].
-///
-/// # Errors
-/// If `n` is below 2, a length is wrong, a number is not finite, or the flux cannot balance the load.
-pub fn active_set(n: usize, law: Law, load: &[f64]) -> Result<(Vec<f64>, End), InputError> {
-    if n < 2 {
-        return Err(InputError::GridSize { cells: n, rule: "at least 2", nearest: vec![2] });
-    }
-    let grid = Grid::new(n).expect("the number of cells is at least 2");
-    active_set_on(&Network::of_square(grid), law, load)
-}
-
 /// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the contact nodes of any network, and `y = 0` at its
-/// fixed nodes. Starts with all contact nodes at zero.
+/// fixed nodes: from the states of a vector near the solution, if there is one, else from all contact nodes at zero.
 ///
 /// Ends `Converged` if a step left all states as they were, and at the `RoundingFloor` if a step led to earlier states
 /// with a vector that solves the problem but for rounding errors.
@@ -69,19 +53,7 @@ pub fn active_set(n: usize, law: Law, load: &[f64]) -> Result<(Vec<f64>, End), I
 /// # Errors
 /// If the length is wrong, a number is not finite, or in a component without fixed nodes the flux cannot balance the
 /// load.
-pub fn active_set_on(
-    network: &Network,
-    law: Law,
-    load: &[f64],
-) -> Result<(Vec<f64>, End), InputError> {
-    active_set_from(network, law, load, None)
-}
-
-/// As [`active_set_on`], from the states of a vector near the solution, if there is one.
-///
-/// # Errors
-/// As [`active_set_on`].
-pub(crate) fn active_set_from(
+pub fn active_set(
     network: &Network,
     law: Law,
     load: &[f64],
@@ -188,7 +160,7 @@ mod tests {
         let f = "region(a)=0.343176; region(b)=-0.432909";
         let f = on_regions::<3>(f, mesh.region_names(), mesh.extent()).unwrap();
         let (network, load) = (assemble(&mesh), mesh_load(&mesh, &f[..]).unwrap().load);
-        let (y, end) = active_set_on(&network, Law::SIGNORINI, &load).unwrap();
+        let (y, end) = active_set(&network, Law::SIGNORINI, &load, None).unwrap();
         let Judgement { energy, kkt, .. } = judge(&network, Law::SIGNORINI, &y, &load);
         assert!(
             matches!(end.stop, Stop::Converged | Stop::RoundingFloor),

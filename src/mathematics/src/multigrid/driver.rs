@@ -15,10 +15,8 @@
 //! A residual from the nodal vector costs a sweep of the finest level, so it is computed only where the result may
 //! depend on it.
 
-use super::input::InputError;
-use super::{Goal, MultigridParams};
-use crate::discrete::end::End;
-use crate::discrete::stop::Stop;
+use super::{Goal, InputError, MultigridParams};
+use crate::discrete::end::{End, Stop};
 
 /// Reduction of the natural residual by a step, or of its computed values, from which on rounding errors are suspected.
 const STAGNATION: f64 = 0.5;

@@ -1,94 +1,13 @@
-//! Full multigrid for the scalar problem of a law on the unit square, at optimal cost, and the direct method that
-//! checks it.
-//!
-//! # Idea
-//! The finest grid is smoothed by red-black Gauss-Seidel sweeps that minimise the energy exactly at each node, under
-//! the paper's law by projection to `y >= 0` on the boundary. Boundary nodes in contact, `y = 0` with the flux inside
-//! the interval of the law, are then *truncated*, that is excluded from the correction, and the other nodes get a
-//! linear coarse-grid correction (Kornhuber 1994; Gräser and Kornhuber 2009; Gräser, Sack and Sander 2009; the
-//! projected scheme is due to Brandt and Cryer 1983). New here is the representation of the contact set on coarse
-//! grids: not as a set of nodes but as intervals whose ends lie between nodes, through springs (see `springs.rs`). The
-//! rate of convergence is then that of multigrid for the Poisson equation, for any contact set down to a single node.
-//!
-//! # Algorithm
-//! 1. See the problem as one under a law `[0, limit]`, solved first without the limit; check the load, scale it by a
-//!    power of two, and restrict it to every coarser grid by full weighting (`solve.rs`, `load.rs`).
-//! 2. Solve the problem of the coarsest grid directly (`coarsest.rs`).
-//! 3. Nested iteration (`driver.rs`): interpolate the solution to the next finer grid and apply one cycle there, or
-//!    more if the residual is still large; repeat up to the finest grid.
-//! 4. Apply cycles on the finest grid until the goal is reached (`driver.rs`). One cycle on a problem under the law:
-//!    1. Find the boundary nodes in contact, and the springs by which coarser grids represent them (`springs.rs`).
-//!    2. Restrict the residual of the nodes that are not in contact (`transfer.rs`).
-//!    3. Solve the linear correction problem recursively, by an F-cycle.
-//!    4. Add the interpolated correction, put the boundary nodes whose values changed sign at zero, and smooth
-//!       by red-black Gauss-Seidel sweeps (`stencil.rs`).
-//!
-//! All half-sweeps and transfers between two visits to the coarser grid are one *pass* over the memory (`pass.rs`).
-//! The central function is `find_correction` in `cycle.rs`.
-//!
-//! # Parameters of the algorithm
-//! - Transfers are bilinear. A visit to a grid applies one sweep before and one after the coarse-grid correction,
-//!   over-relaxed inside on the colour that the transfers do not read or write (Yavneh 1996).
-//! - Nested iteration applies one cycle per grid, and more only where the contact set of a coarse grid is far off.
-//! - From the third coarser grid on, cycles are F-cycles: near-constant modes of semicoercive problems need accurate
-//!   coarse solutions, and on coarse grids these cost almost nothing. If only the discretisation error is requested,
-//!   F-cycles begin on the second coarser grid, since that cycle is often the only one.
-//! - Corrections by a V-cycle are too small; they are enlarged where they reach the finest grid (Brandt and Yavneh
-//!   1993 enlarge the residual). That halves the rate, to 0.04 per cycle, at no cost.
-//!
-//! # Cost
-//! Memory: values and loads of all grids, 21.3 bytes per unknown, plus padding of rows to cache lines: 21.5 in all at
-//! h = 1/4096, 22.4 at 1/512.
-//!
-//! A *work unit* is one Gauss-Seidel sweep of the finest grid, counted by visits of unknowns on all grids: a
-//! half-sweep 1/2, residual and restriction of one colour 3/4, interpolation to one colour 1/4, restriction of a load
-//! 1/2, a check of all optimality conditions 1, boundary loops by the number of their nodes, direct solutions by their
-//! multiplications, of which a visit has one per stencil entry. Reordering the input is not counted.
-//!
-//! # References
-//! - A. Brandt, C. W. Cryer, Multigrid algorithms for the solution of linear complementarity problems
-//!   arising from free boundary problems, SIAM J. Sci. Stat. Comput. 4 (1983).
-//! - A. Brandt, I. Yavneh, Accelerated multigrid convergence and high-Reynolds recirculating flows, SIAM
-//!   J. Sci. Comput. 14 (1993).
-//! - R. Kornhuber, Monotone multigrid methods for elliptic variational inequalities I, Numer. Math. 69
-//!   (1994).
-//! - C. Gräser, R. Kornhuber, Multigrid methods for obstacle problems, J. Comput. Math. 27 (2009).
-//! - C. Gräser, U. Sack, O. Sander, Truncated nonsmooth Newton multigrid methods for convex minimization
-//!   problems, Domain Decomposition Methods XVIII (2009).
-//! - I. Yavneh, On red-black SOR smoothing in multigrid, SIAM J. Sci. Comput. 17 (1996).
-//!
-//! # Easily broken
-//! - Results are compared by hash between machines and numbers of threads: neither the order of additions nor the
-//!   order of half-sweeps may change.
-//! - Loops gain from vector instructions only if each function between `vectorised` and the loop is inlined: keep
-//!   `#[inline(always)]`.
-//! - Each pass must begin with a half-sweep or a transfer that does not read the red values, and a restriction must
-//!   follow an exact half-sweep over the black nodes.
+//! The run of multigrid, which the grids of the square and nested networks share, and the direct method that checks it;
+//! validation of the input of both: numbers of cells, lengths, finite numbers, a load that the flux can balance.
 
 pub mod active_set;
-mod blocks;
-mod buffers;
-mod coarsest;
-mod cycle;
 pub(crate) mod direct;
 pub(crate) mod driver;
-mod factors;
-pub(crate) mod input;
-mod layout;
-mod level;
-mod load;
 pub(crate) mod order;
-mod pass;
-mod rows;
-mod solve;
-mod springs;
-mod stencil;
-mod transfer;
-mod weighting;
-mod workspace;
 
-pub use input::{InputError, check_size};
-pub use workspace::{Multigrid, solve_square};
+use crate::problem::law::{Law, LawError};
+use crate::problem::unsolvable::{Component, Unsolvable};
 
 /// Goal at which multigrid stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,4 +44,94 @@ impl Default for MultigridParams {
     fn default() -> Self {
         Self { goal: Goal::RoundingFloor, least_cycles: 0, max_cycles: MOST_CYCLES }
     }
+}
+
+/// Reason for which a solver rejects its input.
+#[derive(Clone, Debug, thiserror::Error, PartialEq)]
+pub enum InputError {
+    /// Number of cells per side that cannot be used.
+    #[error("{cells} cells per side: must be {rule}; the nearest: {}", in_words(nearest))]
+    GridSize {
+        /// The number.
+        cells: usize,
+        /// Description of the numbers that can be used.
+        rule: &'static str,
+        /// Next smaller and next larger number that can be used, as far as there are such.
+        nearest: Vec<usize>,
+    },
+    /// A field whose length is not the number of nodes.
+    #[error("{found} numbers given for the {expected} nodes of the grid")]
+    Length {
+        /// Length of the field.
+        found: usize,
+        /// Number of nodes.
+        expected: usize,
+    },
+    /// A load that contains an infinity or a NaN, or whose sum overflows.
+    #[error("the load contains a number that is not finite, or its sum overflows")]
+    NotFinite,
+    /// A load that no flux can balance.
+    #[error(transparent)]
+    Unsolvable(#[from] Unsolvable),
+    /// A law whose ends exceed the range of double precision on a coarser level.
+    #[error(transparent)]
+    Law(#[from] LawError),
+}
+
+fn in_words(numbers: &[usize]) -> String {
+    numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(" and ")
+}
+
+/// Odd factors of the numbers of cells per side that can be used.
+const ODD_FACTORS: [usize; 4] = [1, 3, 5, 7];
+
+/// Returns the cells per side of the coarsest grid for `n` cells per side, or `None` if `n` cannot be used.
+fn coarsest_cells(n: usize) -> Option<usize> {
+    let odd = n.checked_shr(n.trailing_zeros())?;
+    // Four cells per side are solved directly, which is cheaper than a further coarsening to two.
+    let coarsest = if odd == 1 { n.min(4) } else { 2 * odd };
+    (n.is_multiple_of(2) && ODD_FACTORS.contains(&odd)).then_some(coarsest)
+}
+
+/// Returns the cells per side of the coarsest grid below one with `n` cells per side.
+///
+/// # Errors
+/// [`InputError::GridSize`] if `n` is not a power of two (at least 2) times 1, 3, 5 or 7.
+pub fn check_size(n: usize) -> Result<usize, InputError> {
+    coarsest_cells(n).ok_or_else(|| InputError::GridSize {
+        cells: n,
+        rule: "a power of two (at least 2) times 1, 3, 5 or 7",
+        nearest: nearest_sizes(n),
+    })
+}
+
+/// Next smaller and next larger number of cells per side than `n` that can be used.
+fn nearest_sizes(n: usize) -> Vec<usize> {
+    let powers = (1..usize::BITS).map(|k| 1_usize << k);
+    let sizes = powers.flat_map(|power| ODD_FACTORS.map(|odd| power.checked_mul(odd)));
+    let sizes: Vec<usize> = sizes.flatten().collect();
+    let below = sizes.iter().copied().filter(|&size| size < n).max();
+    let above = sizes.iter().copied().filter(|&size| size > n).min();
+    below.into_iter().chain(above).collect()
+}
+
+/// Checks that a field has one number for each node.
+pub(crate) fn check_length(expected: usize, field: &[f64]) -> Result<(), InputError> {
+    let found = field.len();
+    if found == expected { Ok(()) } else { Err(InputError::Length { found, expected }) }
+}
+
+/// Checks that the load of these components is finite, and that the flux can balance it over each of them without fixed
+/// nodes: for the paper's law, that its sum is negative, the condition (2).
+///
+/// # Errors
+/// [`InputError::NotFinite`] and [`InputError::Unsolvable`].
+pub(crate) fn check_load(components: &[Component], law: Law) -> Result<(), InputError> {
+    if !components.iter().map(|component| component.integral).sum::<f64>().is_finite() {
+        return Err(InputError::NotFinite);
+    }
+    for component in components {
+        component.check(law, 0.0)?;
+    }
+    Ok(())
 }

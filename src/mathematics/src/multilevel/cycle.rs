@@ -1,8 +1,7 @@
 //! The cycle: an approximate inverse of the stiffness matrix on the nodes that are not held at zero.
 
-use super::interpolation::{Interpolation, product};
+use super::interpolation::{HeldLevel, Interpolation, product, set_coarse_springs};
 use super::levels::NetworkLevels;
-use super::springs::{HeldLevel, set_coarse_springs};
 use crate::multigrid::direct::{Direct, FactorOrder};
 
 /// Vectors of one level.

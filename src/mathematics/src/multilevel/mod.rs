@@ -34,10 +34,8 @@ mod cycle;
 mod interpolation;
 mod iterate;
 mod levels;
-mod nested;
 mod run;
 mod smoothed;
 mod solve;
-mod springs;
 
 pub use solve::{Improved, Start, improve_on_nested_networks, solve_nested_networks};

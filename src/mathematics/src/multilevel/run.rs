@@ -2,13 +2,13 @@
 
 use super::cycle::Cycle;
 use super::iterate::{ContactProblem, Iterate};
-use super::nested::NestedProblem;
+use super::levels::NestedProblem;
+use crate::discrete::end::Stop;
 use crate::discrete::kkt::judge;
 use crate::discrete::norms::largest;
-use crate::discrete::stop::Stop;
-use crate::multigrid::active_set::active_set_on;
+use crate::multigrid::InputError;
+use crate::multigrid::active_set::active_set;
 use crate::multigrid::driver::{self, Hierarchy, LoadScale};
-use crate::multigrid::input::InputError;
 
 /// Part of the energy's discretisation error that the last step may lower the energy by, where the discretisation error
 /// is the goal. Each step lowers the distance to the least energy by ten and more, so that a hundredth of the
@@ -156,7 +156,7 @@ impl Hierarchy for NetworkRun<'_> {
         }
         let (network, load) = (self.nested.levels.network(0), &self.nested.loads[0]);
         let law = self.nested.law(self.limit, 0)?;
-        let (y, end) = active_set_on(network, law, load)?;
+        let (y, end) = active_set(network, law, load, None)?;
         self.coarse_energy = judge(network, law, &y, load).energy;
         self.work += self.cycle.coarsest_work(end.iterations);
         self.coarsest = y;

@@ -1,17 +1,14 @@
 //! Solutions on nested networks, by the levels that take the least work.
 
-use super::levels::NetworkLevels;
-use super::nested::{Components, NestedProblem};
+use super::levels::{Components, NestedProblem, NetworkLevels};
 use super::run::NetworkRun;
 use super::smoothed::{STRONG, VERY_STRONG};
-use crate::discrete::end::End;
-use crate::discrete::law_and_load::LawAndLoad;
+use crate::discrete::domain::LawAndLoad;
+use crate::discrete::end::{End, Stop};
 use crate::discrete::load_stats::LoadStats;
 use crate::discrete::nested::NestedNetwork;
-use crate::discrete::stop::Stop;
-use crate::multigrid::MultigridParams;
 use crate::multigrid::driver::{self, Hierarchy};
-use crate::multigrid::input::{InputError, check_length};
+use crate::multigrid::{InputError, MultigridParams, check_length};
 
 /// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the contact nodes on the last of nested networks, and
 /// `y = 0` at its fixed nodes. `load` is the load vector F there. Returns the nodal vector, and the end.

@@ -2,7 +2,7 @@
 
 mod notation;
 
-use crate::machine::sums::two_sum;
+use crate::machine::extremes::two_sum;
 use std::f64::consts::PI;
 use std::ops::Range;
 

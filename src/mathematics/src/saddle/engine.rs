@@ -7,9 +7,8 @@
 use super::Pair;
 use super::method::Method;
 use super::stopping::{GradientMeasure, RoundingFloor, SWEEPS_TO_FLOOR};
-use crate::discrete::end::End;
+use crate::discrete::end::{End, Stop};
 use crate::discrete::norms::largest;
-use crate::discrete::stop::Stop;
 use std::array::from_fn;
 use std::borrow::Cow;
 

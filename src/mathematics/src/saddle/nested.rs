@@ -3,11 +3,10 @@
 use super::Pair;
 use super::solve::{Iteration, LevelRun, Params, solve_together};
 use crate::discrete::domain::DiscreteDomain;
-use crate::discrete::end::Outcome;
+use crate::discrete::end::{Outcome, Stop};
 use crate::discrete::grid::Grid;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::norms::largest;
-use crate::discrete::stop::Stop;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
 use crate::problem::law::Law;
 

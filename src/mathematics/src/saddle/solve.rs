@@ -6,11 +6,9 @@ use super::engine::{Engine, Goals, MeasureBound, RunStart, RunState, run, within
 use super::method::Method;
 use super::network::OnNetwork;
 use super::stopping::{GradientMeasure, StopRule};
-use crate::discrete::domain::DiscreteDomain;
-use crate::discrete::end::{End, Outcome};
+use crate::discrete::domain::{DiscreteDomain, LawAndLoad};
+use crate::discrete::end::{End, Outcome, Stop};
 use crate::discrete::kkt::{has_solution, judge};
-use crate::discrete::law_and_load::LawAndLoad;
-use crate::discrete::stop::Stop;
 use crate::problem::law::Law;
 use serde::{Deserialize, Serialize};
 use std::array::from_fn;

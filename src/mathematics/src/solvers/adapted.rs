@@ -15,26 +15,26 @@
 //!    a curved boundary the energy between chord and curve counts as a part of the cell, since no bound feels it.
 //!
 //! Uniform refinements of the first mesh are solved as well where stretched cells have much of the error, as far as
-//! they have fewer nodes than the next adapted mesh and may meet the goal; the first that does is the last mesh.
+//! they have fewer nodes than the next adapted mesh and may meet the goal; the first that does is the last mesh. There one
+//! of them may meet the goal with fewer nodes, since all cells keep their shape.
 //!
 //! The bounds fall like the inverse root of the number of nodes, whatever the corners and ends of contact. Where they
 //! do not fall although the number of nodes has doubled, the solution is computed to rounding once, and if that does
 //! not help the run ends: f has parts that its quadrature misses, or rounding errors are reached.
 
-mod marking;
 mod meshes;
 #[cfg(test)]
 mod tests;
-mod uniform;
 
-use super::Refusal;
-use super::reach::{Watcher, reach};
-use super::solved::Solved;
-use crate::bounds::Accuracy;
-use crate::levels::Watch;
-use crate::mesh::PlaneMesh;
+use crate::bounds::{Accuracy, Bounds, NoBound};
+use crate::levels::{ProblemError, Watch};
+use crate::mesh::{PlaneMesh, quarter};
 use crate::problem::law::Law;
-use uniform::MeshesOfBothWays;
+use crate::saddle::Monitor;
+use crate::solvers::Refusal;
+use crate::solvers::reach::{Refining, Watcher, reach};
+use crate::solvers::solved::{ReachEnd, Reached, Solved};
+use meshes::Meshes;
 
 /// Problem to be solved on adapted meshes.
 #[derive(Clone, Copy, Debug)]
@@ -65,5 +65,153 @@ impl Adaption<'_> {
     /// [`Refusal`], also if there is no bound on the finest mesh that is allowed.
     pub fn run(&self, watcher: &mut dyn Watcher, steps: Watch<'_>) -> Result<Solved, Refusal> {
         reach(MeshesOfBothWays::new(self, steps)?, self.goal, watcher)
+    }
+}
+
+/// Bits of a positive number by which numbers are sorted into bins: the exponent and some of the mantissa. Numbers of
+/// one bin differ by less than one part in 64.
+const SHIFT: u32 = 46;
+const BINS: usize = 1 << (63 - SHIFT);
+
+/// Returns the least number of cells, by increasing numbers, whose squares sum to at least a fraction of all; of equal
+/// squares those of the cells with lower numbers. A square that is no positive number counts as zero.
+pub(super) fn largest_parts(squares: &[f64], fraction: f64) -> Vec<u32> {
+    let bin = |square: f64| if square > 0.0 { (square.to_bits() >> SHIFT) as usize } else { 0 };
+    let mut sums = vec![0.0; BINS];
+    squares.iter().filter(|square| **square > 0.0).for_each(|&square| sums[bin(square)] += square);
+    let wanted = fraction * sums.iter().sum::<f64>();
+    let (mut sum, mut last) = (0.0, BINS - 1);
+    while last > 0 && sum + sums[last] < wanted {
+        sum += sums[last];
+        last -= 1;
+    }
+    let mut marked = Vec::new();
+    let mut open = Vec::new();
+    for (cell, &square) in (0..).zip(squares) {
+        let of_cell = bin(square);
+        if of_cell > last {
+            marked.push(cell);
+        } else if of_cell == last && square > 0.0 {
+            open.push(cell);
+        }
+    }
+    open.sort_by(|&a: &u32, &b: &u32| squares[b as usize].total_cmp(&squares[a as usize]));
+    for cell in open {
+        if sum >= wanted {
+            break;
+        }
+        sum += squares[cell as usize];
+        marked.push(cell);
+    }
+    marked.sort_unstable();
+    marked
+}
+
+/// Squares to be expected in the pieces of cells, from the squares in the cells; `origins` has the number of the cell
+/// of each piece, increasing. Where the solution is smooth, the square in a cell falls like the square of its area.
+pub(super) fn expected_squares(squares: &[f64], origins: &[u32]) -> Vec<f64> {
+    let mut expected = Vec::with_capacity(origins.len());
+    for pieces in origins.chunk_by(|a, b| a == b) {
+        let count = pieces.len() as f64;
+        let square = squares[pieces[0] as usize] / (count * count);
+        expected.extend(pieces.iter().map(|_| square));
+    }
+    expected
+}
+
+/// Number of nodes up to which each refinement is tried.
+const FEW: usize = 500;
+/// Part of the error that is left at least when all cells are divided into four; one half is usual at best.
+const LEAST_LEFT: f64 = 0.4;
+
+/// Adapted meshes, and uniform refinements of the first one.
+pub(super) struct MeshesOfBothWays<'a> {
+    adaption: &'a Adaption<'a>,
+    /// Is told each step.
+    ended: Watch<'a>,
+    adapted: Meshes<'a>,
+    /// Uniform refinements; none before they are of use.
+    uniform: Option<Meshes<'a>>,
+    /// Least error to be expected on the last of them, over that of the goal.
+    expected: f64,
+    /// True if the last of them meets the goal.
+    is_overtaken: bool,
+}
+
+impl<'a> MeshesOfBothWays<'a> {
+    /// The first mesh.
+    pub(super) fn new(adaption: &'a Adaption<'a>, ended: Watch<'a>) -> Result<Self, ProblemError> {
+        let (adapted, uniform) = (Meshes::new(adaption, ended)?, None);
+        Ok(Self { adaption, ended, adapted, uniform, expected: 0.0, is_overtaken: false })
+    }
+
+    /// Meshes of the way that is ahead.
+    fn ahead(&self) -> &Meshes<'a> {
+        self.uniform.as_ref().filter(|_| self.is_overtaken).unwrap_or(&self.adapted)
+    }
+
+    /// Solves on the uniform refinements with at most so many nodes that may meet the goal, until one does.
+    fn refine_uniformly(&mut self, most_nodes: usize) -> Result<(), Refusal> {
+        let uniform = match &mut self.uniform {
+            Some(uniform) => uniform,
+            none => none.insert(Meshes::new(self.adaption, self.ended)?),
+        };
+        while !self.is_overtaken && uniform.nodes() + uniform.sides.len() <= most_nodes {
+            let Ok(finer) = quarter(uniform.finest()) else { break };
+            uniform.marks.push(Vec::new());
+            uniform.add(vec![finer])?;
+            self.expected *= LEAST_LEFT;
+            if uniform.nodes() > FEW && self.expected > 1.0 {
+                continue;
+            }
+            let bounds = uniform.solve(&mut ())?;
+            let left = bounds.map_or(0.0, |bounds| self.adaption.goal.square_left(&bounds));
+            // A bound that does not tell is no reason to wait.
+            self.expected = if left > 0.0 { 1.0 / left.sqrt() } else { 0.0 };
+            self.is_overtaken = left >= 1.0;
+        }
+        Ok(())
+    }
+}
+
+impl Refining for MeshesOfBothWays<'_> {
+    fn nodes(&self) -> usize {
+        self.ahead().nodes()
+    }
+
+    fn solve(&mut self, monitor: &mut dyn Monitor) -> Result<Result<Bounds, NoBound>, Refusal> {
+        match &self.ahead().found {
+            Ok(found) if self.is_overtaken => Ok(Ok(found.bounds.clone())),
+            _ => self.adapted.solve(monitor),
+        }
+    }
+
+    fn has_failed(&self) -> bool {
+        self.ahead().has_failed()
+    }
+
+    fn is_hopeless(&self, reason: &NoBound) -> bool {
+        self.adapted.is_hopeless(reason)
+    }
+
+    fn refine(&mut self) -> Result<Option<ReachEnd>, Refusal> {
+        let end = self.adapted.refine()?;
+        if self.adapted.is_stretched {
+            self.refine_uniformly(match end {
+                None => self.adapted.nodes() - 1,
+                Some(_) => self.adaption.most_nodes,
+            })?;
+        }
+        Ok(end.filter(|_| !self.is_overtaken))
+    }
+
+    fn finished(self, reached: Reached) -> Result<Solved, Refusal> {
+        match self.uniform {
+            Some(uniform) if self.is_overtaken => {
+                let tried = uniform.outcomes.len();
+                uniform.finished(Reached { tried, ..reached })
+            }
+            _ => self.adapted.finished(reached),
+        }
     }
 }

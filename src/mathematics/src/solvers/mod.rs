@@ -4,7 +4,6 @@
 
 mod adapted;
 mod convergence;
-mod grids;
 mod reach;
 mod run;
 mod size;
@@ -14,7 +13,7 @@ mod table;
 
 pub use adapted::Adaption;
 pub use convergence::Convergence;
-pub(crate) use grids::Grids;
+pub(crate) use reach::Grids;
 pub(crate) use reach::reach;
 pub use reach::{Tried, Watcher};
 pub(crate) use run::saddle_together;

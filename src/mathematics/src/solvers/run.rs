@@ -1,21 +1,22 @@
 //! One function per kind of solver that hands it a problem, on the square or on a mesh.
 
 use super::{Refusal, SaddleSettings, Settings, Solver};
-use crate::discrete::end::{End, Outcome};
+use crate::discrete::end::{End, Outcome, Stop};
 use crate::discrete::kkt::Judgement;
+use crate::discrete::network::Network;
 use crate::discrete::norms::largest;
-use crate::discrete::stop::Stop;
 use crate::discrete::transfer::Prolongation;
 use crate::levels::{Discrete, Problem, ProblemError, read};
 use crate::mesh::{Condition, PlaneMesh};
-use crate::multigrid::active_set::{active_set as solve_lattice, active_set_from};
-use crate::multigrid::{Goal, InputError, MultigridParams, solve_square};
+use crate::multigrid::active_set::active_set as solve_by_states;
+use crate::multigrid::{Goal, InputError, MultigridParams};
 use crate::multilevel::solve_nested_networks;
 use crate::problem::source::Source;
 use crate::saddle::{Monitor, NestedGrids, NestedRun, Pair, Params, solve_nested_together};
 use crate::spectral::{
     PlaneError, TrueSolution, check_plane, true_solution_on, true_solution_on_square,
 };
+use crate::square::multigrid::solve_square;
 use std::borrow::Cow;
 
 /// Run of a solver on levels.
@@ -139,7 +140,7 @@ pub(super) fn active_set(
     by_factors(problem, None, monitor)
 }
 
-/// Solves by the primal-dual active set, on meshes from the states of a vector near the solution, if there is one.
+/// Solves by the primal-dual active set, from the states of a vector near the solution, if there is one.
 fn by_factors(
     problem: &Problem,
     start: Option<&[f64]>,
@@ -147,13 +148,11 @@ fn by_factors(
 ) -> Result<FoundSolution, Refusal> {
     let (law, load) = (problem.law(), problem.load());
     monitor.factors(load.len());
-    let solved = match problem.levels().discrete() {
-        Discrete::Lattices(lattices) => solve_lattice(lattices.finest().cells(), law, load),
-        Discrete::Networks(networks) => {
-            active_set_from(&networks[problem.finest()].network, law, load, start)
-        }
+    let network = match problem.levels().discrete() {
+        Discrete::Lattices(lattices) => &Network::of_square(lattices.finest()),
+        Discrete::Networks(networks) => &networks[problem.finest()].network,
     };
-    on_finest(problem, Solver::ActiveSet, solved)
+    on_finest(problem, Solver::ActiveSet, solve_by_states(network, law, load, start))
 }
 
 /// Judges what a solver returned on the finest level.

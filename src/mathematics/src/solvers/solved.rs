@@ -1,7 +1,7 @@
 //! Solution of a problem, whatever solved it and on whatever domain.
 
 use super::run::{FoundSolution, Run};
-use crate::bounds::{Accuracy, Bounds, NoBound, recovery};
+use crate::bounds::{Accuracy, Bounds, NoBound};
 use crate::discrete::contact::ContactArc;
 use crate::discrete::end::Outcome;
 use crate::discrete::norms::Errors;
@@ -295,10 +295,9 @@ impl Problem {
     /// [`NoBound`] if there is none.
     pub fn recovered(&self, pair: &Pair) -> Result<Option<(Self, Pair)>, NoBound> {
         let Some(lattices) = self.lattices() else { return Ok(None) };
-        let (grid, f) = (lattices.finest(), lattices.source());
-        let (y, _) = recovery(grid, f, self.law(), &pair.y)?;
+        let y = lattices.recovery(self.law(), &pair.y)?;
         // The flux balances f, as on the grid.
-        let Some(Ok(finer)) = self.on_grid(2 * grid.cells()) else { return Ok(None) };
+        let Some(Ok(finer)) = self.on_grid(2 * lattices.finest().cells()) else { return Ok(None) };
         Ok(Some((finer, Pair { y, a: prolong_boundary(&pair.a) })))
     }
 }

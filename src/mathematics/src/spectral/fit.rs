@@ -15,8 +15,7 @@ use crate::problem::complex::Complex;
 use crate::spectral::fit::least_squares::Columns;
 use crate::spectral::functions::lanes::TOGETHER;
 use crate::spectral::geometry::boundary::{RingContact, State, Walk};
-use crate::spectral::geometry::panels::{PlanePanel, Spot};
-use crate::spectral::geometry::rule::{GaussNode, gauss};
+use crate::spectral::geometry::panels::{GaussNode, PlanePanel, Spot, gauss};
 use std::f64::consts::TAU;
 
 /// A contact set with the functions fitted to it.

@@ -8,12 +8,9 @@ pub(super) mod boundary;
 pub(super) mod curve;
 pub(super) mod domain;
 pub(super) mod images;
-pub(super) mod medial;
 pub(super) mod origin;
 pub(super) mod outline;
 pub(super) mod panels;
-pub(super) mod parts;
 #[cfg(test)]
 pub(super) mod polygons;
-pub(super) mod rule;
 pub(super) mod way_out;

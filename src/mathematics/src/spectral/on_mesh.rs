@@ -8,17 +8,16 @@ use crate::problem::exact::{Exact, Known};
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::problem::text::percent;
-use crate::spectral::contact::arcs::PlaneArc;
+use crate::spectral::contact::ends::PlaneArc;
 use crate::spectral::contact::start::DiscreteStart;
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneError, PlaneSide, SidePlace};
 use crate::spectral::geometry::origin::Origin;
 use crate::spectral::geometry::outline::outline;
 use crate::spectral::problem::PlaneProblem;
 use crate::spectral::proof::PlaneBracket;
-use crate::spectral::solution::{PlaneChecks, PlaneSolution, solve};
-use crate::spectral::source::PlaneSource;
+use crate::spectral::solution::{PlaneSolution, solve};
 use crate::spectral::source::polynomial::Polynomial;
-use crate::spectral::source::regions::regions;
+use crate::spectral::source::{PlaneSource, regions};
 
 /// Nodes, at most, of the meshes whose solutions are starts in turn, on a domain with at most so many sides.
 const STARTS: [f64; 2] = [6e3, 6e4];
@@ -39,8 +38,8 @@ pub(crate) struct PlaneTruth {
     origin: Origin,
     /// Domain, f and law, seen from there in this unit.
     problem: PlaneProblem,
-    /// Solution of that problem.
-    solution: PlaneSolution,
+    /// Solution of that problem; its numbers are in the unit of the mesh.
+    pub(crate) solution: PlaneSolution,
 }
 
 /// Solves the problem on the domain of a mesh, whose boundary is straight or lies on the circles of its parts.
@@ -113,7 +112,10 @@ impl Unsolved {
         for start in starts {
             match solve(&problem, &start.seen(&problem, origin), &mut effort) {
                 Err(failed) => error = failed,
-                Ok(solution) => return Ok(PlaneTruth { height, origin, problem, solution }),
+                Ok(solution) => {
+                    let solution = solution.in_unit(height);
+                    return Ok(PlaneTruth { height, origin, problem, solution });
+                }
             }
         }
         Err(error)
@@ -121,46 +123,6 @@ impl Unsolved {
 }
 
 impl PlaneTruth {
-    /// J(v).
-    pub(crate) fn energy(&self) -> f64 {
-        self.height * self.height * self.solution.energy
-    }
-
-    /// Bounds of the energy, or the step of their proof that does not apply.
-    pub(crate) fn bracket(&self) -> Result<[f64; 2], &'static str> {
-        Ok(self.solution.bracket?.ends().map(|end| self.height * self.height * end))
-    }
-
-    /// Integral of dv/dn over the boundary where the law holds.
-    pub(crate) fn force(&self) -> f64 {
-        self.height * self.solution.force
-    }
-
-    /// Integral of f over the domain.
-    pub(crate) fn integral(&self) -> f64 {
-        self.height * self.solution.integral
-    }
-
-    /// Size of the integral of dv/dn over the boundary plus that of f.
-    pub(crate) fn unbalanced(&self) -> f64 {
-        self.height * self.solution.unbalanced
-    }
-
-    /// Number of real unknowns.
-    pub(crate) fn unknowns(&self) -> usize {
-        self.solution.unknowns
-    }
-
-    /// Number of Newton steps.
-    pub(crate) fn steps(&self) -> usize {
-        self.solution.steps
-    }
-
-    /// Checks, all relative.
-    pub(crate) fn checks(&self) -> PlaneChecks {
-        self.solution.checks
-    }
-
     /// Remark on bounds that are wide.
     pub(crate) fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();

@@ -5,8 +5,7 @@ use crate::problem::law::Law;
 use crate::spectral::geometry::boundary::{PlaneRing, Walk};
 use crate::spectral::geometry::curve::beside;
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
-use crate::spectral::geometry::images::{Image, images};
-use crate::spectral::geometry::medial::{MedialDisc, medial_discs};
+use crate::spectral::geometry::images::{Image, MedialDisc, images, medial_discs};
 use crate::spectral::problem::PlaneProblem;
 use crate::spectral::source::jumps::PlaneJumps;
 

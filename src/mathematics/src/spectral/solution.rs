@@ -1,13 +1,13 @@
 //! True solution on one connected domain of the plane: solved, bounded, and evaluated at points.
 
-use super::contact::arcs::{PlaneArc, arcs};
+use super::contact::ends::{PlaneArc, arcs};
 use super::contact::search::{self, PlaneFound};
 use super::fit::Effort;
 use super::fit::field::{self, share};
 use super::geometry::domain::{PlaneError, SidePlace};
 use super::geometry::panels::Spot;
-use super::problem::frame::Frame;
-use super::problem::{PlaneProblem, PlaneStart};
+
+use super::problem::{Frame, PlaneProblem, PlaneStart};
 use super::proof::{self, PlaneBracket};
 use super::setup::Setup;
 use crate::problem::text::plain;
@@ -154,6 +154,18 @@ pub(super) fn solve(
 }
 
 impl PlaneSolution {
+    /// Its numbers for another unit of f, of dv/dn and of v; values at points stay in that of the problem.
+    pub(super) fn in_unit(self, height: f64) -> Self {
+        Self {
+            energy: height * height * self.energy,
+            bracket: self.bracket.map(|own| own.scaled(height * height)),
+            force: height * self.force,
+            integral: height * self.integral,
+            unbalanced: height * self.unbalanced,
+            ..self
+        }
+    }
+
     /// v at a point of the closed domain.
     pub(crate) fn value(&self, point: [f64; 2]) -> f64 {
         self.values(&[point])[0]

@@ -1,13 +1,13 @@
 //! True solution on all connected components of a domain.
 
 use crate::discrete::contact::ContactArc;
-use crate::discrete::load::integral;
 use crate::mesh::PlaneMesh;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::spectral::geometry::domain::PlaneError;
 use crate::spectral::on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh, solve_on_square};
 use crate::spectral::solution::PlaneChecks;
+use crate::square::load::integral;
 
 /// True solution.
 pub struct TrueSolution {
@@ -76,21 +76,23 @@ pub(crate) fn check_plane(mesh: &PlaneMesh, f: &[Source], law: Law) -> Result<()
 impl TrueSolution {
     /// Solution on a mesh from those on its connected components.
     fn of(components: Vec<PlaneTruth>, mesh: &PlaneMesh) -> Self {
-        let bracket = components.iter().try_fold([0.0; 2], |[low, high], truth| {
-            truth.bracket().map(|[lower, upper]| [low + lower, high + upper])
+        let solutions = || components.iter().map(|truth| &truth.solution);
+        let bracket = solutions().try_fold([0.0; 2], |[low, high], own| {
+            let [lower, upper] = own.bracket?.ends();
+            Ok([low + lower, high + upper])
         });
         let mut notes: Vec<String> = components.iter().flat_map(PlaneTruth::notes).collect();
         notes.dedup();
-        let checks = components.iter().map(PlaneTruth::checks).reduce(PlaneChecks::worst);
+        let checks = solutions().map(|own| own.checks).reduce(PlaneChecks::worst);
         Self {
-            energy: components.iter().map(PlaneTruth::energy).sum(),
+            energy: solutions().map(|own| own.energy).sum(),
             bracket,
             contact: components.iter().flat_map(|truth| truth.contact(mesh)).collect(),
-            force: components.iter().map(PlaneTruth::force).sum(),
-            integral: components.iter().map(PlaneTruth::integral).sum(),
-            unbalanced: components.iter().map(PlaneTruth::unbalanced).sum(),
-            unknowns: components.iter().map(PlaneTruth::unknowns).sum(),
-            steps: components.iter().map(PlaneTruth::steps).sum(),
+            force: solutions().map(|own| own.force).sum(),
+            integral: solutions().map(|own| own.integral).sum(),
+            unbalanced: solutions().map(|own| own.unbalanced).sum(),
+            unknowns: solutions().map(|own| own.unknowns).sum(),
+            steps: solutions().map(|own| own.steps).sum(),
             checks: checks.expect("a mesh has a component"),
             notes,
             components,

@@ -2,8 +2,7 @@
 
 use super::*;
 use signorini_mathematics::bounds::{Accuracy, NoBound};
-use signorini_mathematics::discrete::stop::Stop;
-use signorini_mathematics::discrete::verdict::Violation;
+use signorini_mathematics::discrete::end::{Stop, Violation};
 use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::solvers::SaddleSettings;
 use signorini_mathematics::statement::Domain;

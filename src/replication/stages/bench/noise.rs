@@ -7,7 +7,7 @@ use crate::replication::stages::to_json;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use signorini_mathematics::discrete::stop::Stop;
+use signorini_mathematics::discrete::end::Stop;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::solvers::SaddleSettings;
 use signorini_mathematics::statement::{Domain, Fineness, Statement};

@@ -9,12 +9,14 @@ mod stretched;
 use super::linear::{at_vertices, outflows, product};
 use super::*;
 use crate::discrete::grid::Grid;
-use crate::discrete::load::{Diagonal, LoadRule, load};
+use crate::discrete::load::{Diagonal, LoadRule};
 use crate::mesh::{
     BoundarySide, BuiltIn, CellData, Condition, Element, Facet, MeshData, Part, assemble, refine,
 };
-use crate::multigrid::{MultigridParams, solve_square};
+use crate::multigrid::MultigridParams;
 use crate::problem::unsolvable::Unsolvable;
+use crate::square::load::load;
+use crate::square::multigrid::solve_square;
 
 /// Bounds for a nodal vector, with the lower one of the error.
 fn bounds_on_mesh<const D: usize, const V: usize>(
@@ -185,7 +187,7 @@ fn the_square_has_the_bracket_of_its_grid() {
         let half = n as u32 / 2;
         let mut problem = square(n as u32, |i, j| if i.max(j) < half { 3.0 } else { -1.1 });
         problem.y.clone_from(&y);
-        let of_grid = crate::bounds::bounds(grid, &source, Law::SIGNORINI, &y).unwrap();
+        let of_grid = crate::square::bounds::bounds(grid, &source, Law::SIGNORINI, &y).unwrap();
         let of_mesh = problem.bounds();
         assert!(overlap(&[of_grid.energy, of_mesh.energy]), "{of_grid:?} {of_mesh:?}");
         assert!(of_grid.error[0] <= of_mesh.error[1] && of_mesh.error[1] < 1.6 * of_grid.error[1]);

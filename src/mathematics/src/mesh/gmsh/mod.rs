@@ -10,7 +10,6 @@ mod error;
 mod groups;
 mod labels;
 mod nodes;
-mod other_file;
 mod plane;
 mod quadrangles;
 mod scanner;

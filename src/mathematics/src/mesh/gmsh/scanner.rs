@@ -1,7 +1,6 @@
 //! Words and numbers of a file, one after the other, in text or in bytes.
 
-use super::error::{Fault, FilePlace, GmshError};
-use super::other_file::{BYTE_ORDER_MARK, other_file};
+use super::error::{BYTE_ORDER_MARK, Fault, FilePlace, GmshError, other_file};
 use std::str::FromStr;
 
 /// Letters of a word that a message shows.

@@ -19,8 +19,8 @@
 
 use super::StateSystem;
 use super::states::StateProblem;
+use crate::discrete::end::Stop;
 use crate::discrete::network::ContactRow;
-use crate::discrete::stop::Stop;
 use crate::problem::law::{BoundaryState, ContactNode};
 
 /// Work of all linear systems at most, in multiplications: a minute or two.

@@ -2,11 +2,12 @@
 
 use super::*;
 use crate::discrete::grid::Grid;
-use crate::discrete::load::{LoadRule, load};
+use crate::discrete::load::LoadRule;
 use crate::discrete::network::Network;
 use crate::problem::law::Law;
 use crate::saddle::network::OnNetwork;
 use crate::saddle::{Engine, GradientMeasure, Method, Pair, RunStart};
+use crate::square::load::load;
 
 fn setting() -> (Grid, Vec<f64>, Pair) {
     let grid = Grid::new(16).unwrap();

@@ -1,11 +1,12 @@
 //! The methods against each other, and how a run ends.
 
 use super::*;
+use crate::discrete::end::Stop;
 use crate::discrete::grid::Grid;
-use crate::discrete::load::{LoadRule, load};
+use crate::discrete::load::LoadRule;
 use crate::discrete::network::Network;
-use crate::discrete::stop::Stop;
 use crate::problem::law::Law;
+use crate::square::load::load;
 
 const PROBLEMS: [&str; 2] = ["quadrant(ll)=3; else=-1.002", "quadrant(ll)=-6; else=1.998"];
 

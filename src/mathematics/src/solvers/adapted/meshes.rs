@@ -1,17 +1,15 @@
 //! Meshes of a run of adaptive refinement, each with its discrete problem, and the solution on the finest.
 
-use super::Adaption;
-use super::marking::{expected_squares, largest_parts};
+use super::{Adaption, expected_squares, largest_parts};
 use crate::bounds::triangulation::{
     BoundedProblem, LocalBounds, curve_shares, is_in_stretched_cells,
 };
 use crate::bounds::{Bounds, NoBound};
-use crate::discrete::components::components;
-use crate::discrete::end::{End, Outcome};
+use crate::discrete::domain::components;
+use crate::discrete::end::{End, Outcome, Stop};
 use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::norms::largest;
-use crate::discrete::stop::Stop;
 use crate::levels::{
     Problem, ProblemError, ROUNDING, Step, Triangulations, VectorErrors, Watch, check_missed, read,
 };
@@ -20,7 +18,7 @@ use crate::mesh::{
     Bisected, CellsBefore, MeshLoad, NestedMeshes, PlaneMesh, Sides, assemble_sides, bisect,
     label_longest_edges, mesh_load, mesh_load_after,
 };
-use crate::multigrid::active_set::active_set_from;
+use crate::multigrid::active_set::active_set;
 use crate::multigrid::{Goal, InputError, MultigridParams};
 use crate::multilevel::{Improved, Start, improve_on_nested_networks};
 use crate::problem::source::Source;
@@ -203,7 +201,7 @@ impl<'a> Meshes<'a> {
         self.is_slow = is_slow;
         if end.stop == Stop::IterationLimit && has_factors(2, y.len()) {
             let network = &self.networks[self.networks.len() - 1].network;
-            (y, end) = active_set_from(network, law, &self.load.load, Some(&y))?;
+            (y, end) = active_set(network, law, &self.load.load, Some(&y))?;
         }
         // The bound is the goal: rounding errors are small enough.
         let stop = if end.stop == Stop::RoundingFloor { Stop::Converged } else { end.stop };

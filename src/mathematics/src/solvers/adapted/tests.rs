@@ -375,3 +375,21 @@ fn circles_are_refined_for_what_the_bound_does_not_feel() {
     assert!(beside > 0.0 && beside < 0.5 * (high - low), "{beside} {low} {high}");
     assert!(low - beside < energy && energy < high + beside, "{low} {high} {energy}");
 }
+
+#[test]
+fn the_largest_squares_are_marked_and_ties_go_to_low_numbers() {
+    let squares = [1.0, 4.0, f64::NAN, 0.0, 4.0, 1.0, 2.0];
+    assert_eq!(largest_parts(&squares, 0.3), [1]);
+    assert_eq!(largest_parts(&squares, 0.6), [1, 4]);
+    assert_eq!(largest_parts(&squares, 0.9), [0, 1, 4, 6]);
+    assert_eq!(largest_parts(&squares, 1.0), [0, 1, 4, 5, 6]);
+    assert_eq!(largest_parts(&[0.0, 0.0], 0.5), [0; 0]);
+}
+
+#[test]
+fn a_part_of_a_bin_is_sorted() {
+    let squares: Vec<f64> = (0..100).map(|k| 1.0 + f64::from(k * 37 % 100) * 1e-5).collect();
+    let marked = largest_parts(&squares, 0.1);
+    assert_eq!(marked.len(), 10);
+    assert!(marked.iter().all(|&cell| squares[cell as usize] > 1.000_89));
+}

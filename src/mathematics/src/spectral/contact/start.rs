@@ -3,12 +3,12 @@
 use crate::discrete::contact::reach;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, judge};
-use crate::discrete::load::{LoadRule, load};
+use crate::discrete::load::LoadRule;
 use crate::mesh::{
     AnyMesh, ClosedCurve, Condition, NestedMeshes, PlaneMesh, boundary_curves, mesh_load,
     nested_meshes, square_boundary,
 };
-use crate::multigrid::{MultigridParams, solve_square};
+use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::complex::Complex;
 use crate::problem::law::{BoundaryState, Law};
@@ -16,6 +16,8 @@ use crate::problem::source::Source;
 use crate::spectral::geometry::domain::{PlaneSide, SidePlace, nearest_side};
 use crate::spectral::geometry::origin::Origin;
 use crate::spectral::problem::{LoopStart, PlaneProblem, PlaneStart};
+use crate::square::load::load;
+use crate::square::multigrid::solve_square;
 use std::collections::HashMap;
 
 /// Most refinements of the first mesh.

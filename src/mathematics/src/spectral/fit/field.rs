@@ -4,8 +4,7 @@ use crate::problem::complex::Complex;
 use crate::spectral::complex::ln;
 use crate::spectral::fit::{Fit, conditions, continue_logs, panels, spots_on};
 use crate::spectral::geometry::boundary::State;
-use crate::spectral::geometry::panels::Spot;
-use crate::spectral::geometry::rule::gauss;
+use crate::spectral::geometry::panels::{Spot, gauss};
 use crate::spectral::setup::{Level, Setup};
 
 /// Values at a point of the boundary.

@@ -1,6 +1,6 @@
 //! Lines and circles: the points at which they meet, and the curves that bound a shape.
 
-use crate::machine::sums::two_sum;
+use crate::machine::extremes::two_sum;
 use crate::problem::complex::Complex;
 use crate::problem::shape::{Shape, scaled};
 use crate::spectral::complex::arg;
@@ -266,6 +266,33 @@ fn line([a, b, c]: [f64; 3]) -> Curve {
     let normal = Complex::new(a, b);
     let scale = 1.0 / normal.norm();
     Curve::line(normal.scaled(c * scale * scale), normal.turned().scaled(scale))
+}
+
+/// Part of a curve.
+pub(in crate::spectral) struct CurvePart<T> {
+    pub span: [f64; 2],
+    pub value: T,
+}
+
+/// Adds a part of a curve, to the last one if they touch and have the same value.
+pub(in crate::spectral) fn append<T: PartialEq>(parts: &mut Vec<CurvePart<T>>, part: CurvePart<T>) {
+    match parts.last_mut() {
+        Some(last) if last.value == part.value && part.span[0] - last.span[1] < SAME => {
+            last.span[1] = part.span[1];
+        }
+        _ => parts.push(part),
+    }
+}
+
+/// Joins the last part of a circle to the first if they touch and have the same value.
+pub(in crate::spectral) fn close<T: PartialEq>(parts: &mut Vec<CurvePart<T>>, period: f64) {
+    if let [first, .., last] = &mut parts[..]
+        && first.value == last.value
+        && first.span[0] + period - last.span[1] < SAME
+    {
+        first.span[0] = last.span[0] - period;
+        parts.pop();
+    }
 }
 
 #[cfg(test)]

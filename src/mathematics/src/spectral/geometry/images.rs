@@ -1,7 +1,10 @@
-//! Points behind the boundary at which the continued solution is singular: mirror images.
+//! Points behind the boundary: mirror images, at which the continued solution is singular, and the medial axis of what
+//! lies outside of a domain, centres of the discs outside that touch the boundary in two points or more, as in the middle
+//! of a slot. Poles there are as far from the boundary as they can be.
 
 use crate::problem::complex::Complex;
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneSide};
+use crate::spectral::geometry::way_out::middle;
 
 /// Point behind the boundary at which the continued solution is singular.
 #[derive(Clone, Copy, Debug)]
@@ -94,4 +97,158 @@ fn outside(domain: &PlaneDomain, point: Complex) -> Option<Image> {
     let foot = side.point(side.place(point, side.length())?);
     let way = foot - point;
     (distance > 1e-9).then(|| Image { point, inwards: way.scaled(1.0 / way.norm()), distance })
+}
+
+/// Largest disc outside of the domain that touches the boundary in a point.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::spectral) struct MedialDisc {
+    /// Point in which it touches.
+    pub foot: Complex,
+    /// Unit vector from there to the centre.
+    pub outwards: Complex,
+    pub radius: f64,
+}
+
+/// Distance of neighbouring centres, in radii.
+const STEP: f64 = 0.05;
+
+impl MedialDisc {
+    pub(in crate::spectral) fn centre(&self) -> Complex {
+        self.foot + self.outwards.scaled(self.radius)
+    }
+
+    /// Largest disc with a radius up to `most`, by halving: discs that touch in one point lie in each other. Infinite
+    /// if that one holds nothing of the boundary.
+    fn at(domain: &PlaneDomain, foot: Complex, outwards: Complex, most: f64) -> Self {
+        /// Halvings, after which the radius has five digits.
+        const HALVINGS: usize = 24;
+        let fits =
+            |radius: f64| domain.distance(foot + outwards.scaled(radius)) > radius * (1.0 - 1e-6);
+        if fits(most) {
+            return Self { foot, outwards, radius: f64::INFINITY };
+        }
+        let [mut low, mut high] = [0.0, most];
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            *(if fits(middle) { &mut low } else { &mut high }) = middle;
+        }
+        Self { foot, outwards, radius: low }
+    }
+}
+
+/// Discs whose centres are next to each other by a part of their radii, where the boundary faces itself: along the
+/// outer loop of slots, and along slender holes. None where the cuts of a re-entrant corner are.
+pub(in crate::spectral) fn medial_discs(domain: &PlaneDomain) -> Vec<MedialDisc> {
+    /// Largest radius, in diameters.
+    const LARGEST: f64 = 0.5;
+    /// Distance from a corner, over that from it to the boundary outside, within which cuts are.
+    const CUTS: f64 = 0.1;
+    let most = LARGEST * domain.diameter();
+    let mut found = Vec::new();
+    for (ring, sides) in domain.loops.iter().enumerate() {
+        let faces_itself = if ring == 0 { has_slot(domain, sides) } else { is_slender(sides) };
+        if faces_itself {
+            add_along(domain, sides, most, &mut found);
+        }
+    }
+    if found.is_empty() {
+        return found;
+    }
+    for [corner, outwards] in domain.loops.iter().flat_map(|sides| re_entrant(sides)) {
+        let cuts = CUTS * domain.exit(corner, outwards).min(most);
+        found.retain(|disc| (disc.centre() - corner).norm() > cuts);
+    }
+    found
+}
+
+/// True if a way from a side straight outwards ends at the boundary.
+fn has_slot(domain: &PlaneDomain, sides: &[PlaneSide]) -> bool {
+    sides.iter().any(|side| {
+        [0.2, 0.5, 0.8].into_iter().any(|part| {
+            let s = part * side.length();
+            domain.exit(side.point(s), -side.tangent(s).turned()).is_finite()
+        })
+    })
+}
+
+/// True of a hole for which functions that are singular in its middle alone are too few.
+fn is_slender(sides: &[PlaneSide]) -> bool {
+    /// Distance of the corner farthest from the middle, over that of the nearest side.
+    const LONG: f64 = 1.8;
+    let middle = middle(sides);
+    let nearest = sides.iter().map(|side| side.distance(middle)).fold(f64::INFINITY, f64::min);
+    sides.iter().any(|side| (side.point(0.0) - middle).norm() > LONG * nearest)
+}
+
+/// Re-entrant corners, with the unit vector straight outwards.
+fn re_entrant(sides: &[PlaneSide]) -> Vec<[Complex; 2]> {
+    let mut corners = Vec::new();
+    for (k, side) in sides.iter().enumerate() {
+        let (prior, after) = tangents(sides, k);
+        if prior.cross(after) < -1e-9 {
+            let along = prior + after;
+            let outwards = -along.turned().scaled(1.0 / along.norm());
+            corners.push([side.point(0.0), outwards]);
+        }
+    }
+    corners
+}
+
+/// Directions of the walk before and after the start of a side.
+fn tangents(sides: &[PlaneSide], k: usize) -> (Complex, Complex) {
+    let before = &sides[(k + sides.len() - 1) % sides.len()];
+    (before.tangent(before.length()), sides[k].tangent(0.0))
+}
+
+/// Adds the discs along a loop.
+fn add_along(domain: &PlaneDomain, sides: &[PlaneSide], most: f64, found: &mut Vec<MedialDisc>) {
+    for (k, side) in sides.iter().enumerate() {
+        let (corner, (prior, after)) = (side.point(0.0), tangents(sides, k));
+        let turn = libm::atan2(prior.cross(after), prior.dot(after));
+        // At a convex corner directions turn from one normal to the next.
+        if turn > 1e-3 {
+            let turned = |part: f64| {
+                let outwards = -(prior * Complex::unit(part * turn)).turned();
+                MedialDisc::at(domain, corner, outwards, most)
+            };
+            add(&turned, found);
+        }
+        let along = |part: f64| {
+            let s = part * side.length();
+            MedialDisc::at(domain, side.point(s), -side.tangent(s).turned(), most)
+        };
+        add(&along, found);
+    }
+}
+
+/// Adds discs by the part of a side, or of the turn at a corner.
+fn add(at: &dyn Fn(f64) -> MedialDisc, found: &mut Vec<MedialDisc>) {
+    /// Parts with which it begins.
+    const FIRST: usize = 16;
+    /// Shortest part.
+    const SHORTEST: f64 = 2e-4;
+    let first = |k: usize| {
+        let part = (k as f64 / FIRST as f64).clamp(1e-9, 1.0 - 1e-9);
+        (part, at(part))
+    };
+    let mut last = first(0);
+    for k in 1..=FIRST {
+        let mut ahead = vec![first(k)];
+        while let Some(next) = ahead.pop() {
+            let [one, other] = [&last.1, &next.1];
+            let is_near =
+                (one.centre() - other.centre()).norm() < STEP * one.radius.min(other.radius);
+            let are_none = one.radius.is_infinite() && other.radius.is_infinite();
+            if !is_near && !are_none && next.0 - last.0 > SHORTEST {
+                let middle = 0.5 * (last.0 + next.0);
+                ahead.push(next);
+                ahead.push((middle, at(middle)));
+                continue;
+            }
+            if next.1.radius.is_finite() {
+                found.push(next.1);
+            }
+            last = next;
+        }
+    }
 }

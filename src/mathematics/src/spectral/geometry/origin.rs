@@ -1,6 +1,6 @@
 //! Place from which a domain is seen, so that coordinates far from the origin of the plane lose no digit.
 
-use crate::machine::sums::two_sum;
+use crate::machine::extremes::two_sum;
 use crate::mesh::PlaneMesh;
 use crate::problem::shape::Shape;
 use crate::problem::source::Source;

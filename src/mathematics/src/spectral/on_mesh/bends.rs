@@ -31,7 +31,7 @@ fn a_side_with_small_bends_is_the_path_of_its_nodes() {
         let mesh = lowered(&[[0.5, by]]);
         let found =
             solve_on_mesh(mesh.plane().unwrap(), &["else=-1".parse().unwrap()], Law::SIGNORINI);
-        let [lower, upper] = found.unwrap().bracket().unwrap();
+        let [lower, upper] = found.unwrap().solution.bracket.unwrap().ends();
         let known: f64 = square + rate * by;
         let rounding = 1e-15 + 1e-8 * by;
         assert!(lower < known + rounding && known - rounding < upper, "{by}: {lower} {upper}");

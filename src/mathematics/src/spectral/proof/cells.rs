@@ -14,7 +14,7 @@ use super::moduli::{Disc, room_of_psi};
 use crate::problem::complex::Complex;
 use crate::spectral::geometry::boundary::Walk;
 use crate::spectral::geometry::curve::Curve;
-use crate::spectral::geometry::rule::{GaussNode, cut, gauss};
+use crate::spectral::geometry::panels::{GaussNode, cut, gauss};
 use crate::spectral::source::psi::Psi;
 
 /// Gauss points of a cell.

@@ -28,7 +28,7 @@ use super::cells::ProofCell;
 use crate::problem::complex::Complex;
 use crate::spectral::complex::distance;
 use crate::spectral::geometry::boundary::Walk;
-use crate::spectral::geometry::rule::halved;
+use crate::spectral::geometry::panels::halved;
 use std::f64::consts::{LN_2, PI};
 
 /// Part of the boundary, as the segment between its ends from which it is no farther than `off`.

@@ -6,7 +6,7 @@ use super::integrals::Integrals;
 use super::moduli::{Moduli, TOUCHES, of_psi};
 use crate::problem::complex::Complex;
 use crate::spectral::geometry::curve::{Arc, ROUNDING};
-use crate::spectral::geometry::rule::gauss;
+use crate::spectral::geometry::panels::gauss;
 use crate::spectral::setup::Setup;
 use crate::spectral::source::groups::{GroupEdge, JumpGroup, PieceSide};
 use crate::spectral::source::psi::Psi;

@@ -7,8 +7,7 @@ use super::samples::{CellModuli, Sampled};
 use crate::problem::complex::Complex;
 use crate::spectral::fit::field::node;
 use crate::spectral::functions::{Power, SpotSum};
-use crate::spectral::geometry::panels::Spot;
-use crate::spectral::geometry::rule::gauss;
+use crate::spectral::geometry::panels::{Spot, gauss};
 
 impl Proof<'_> {
     /// Bounds of moduli on the ellipses of cells.

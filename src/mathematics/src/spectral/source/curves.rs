@@ -7,13 +7,14 @@
 
 use super::changes::Changes;
 use super::potential::Potential;
-use crate::machine::sums::two_sum;
+use crate::machine::extremes::two_sum;
 use crate::problem::complex::Complex;
 use crate::problem::shape::Shape;
 use crate::problem::source::Source;
-use crate::spectral::geometry::curve::{Arc, Curve, ROUNDING, SAME, beside, borders};
+use crate::spectral::geometry::curve::{
+    Arc, Curve, CurvePart, ROUNDING, SAME, append, beside, borders, close,
+};
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
-use crate::spectral::geometry::parts::{CurvePart, append, close};
 use crate::spectral::geometry::way_out::WayOut;
 
 /// Piece of a jump inside the domain, between vertices or points of the boundary.

@@ -11,7 +11,7 @@
 use super::quadratic::Extent;
 use crate::problem::complex::Complex;
 use crate::spectral::complex::ln;
-use crate::spectral::geometry::rule::{GaussNode, gauss};
+use crate::spectral::geometry::panels::{GaussNode, gauss};
 use crate::spectral::source::potential::{Jump, Potential};
 use std::f64::consts::{PI, TAU};
 

@@ -163,7 +163,7 @@ mod tests {
             sums[1] += weight * f.radial_with_psi(z);
         }
         let mut inner = 0.0;
-        for node in crate::spectral::geometry::rule::gauss(20) {
+        for node in crate::spectral::geometry::panels::gauss(20) {
             for k in 0..many {
                 let angle = std::f64::consts::TAU * f64::from(k) / f64::from(many);
                 let z = Complex::unit(angle).scaled(node.x);

@@ -1,6 +1,6 @@
 //! Polynomials in the plane with real values: sums, products with their remainders, values and gradients.
 
-use crate::machine::sums::two_sum;
+use crate::machine::extremes::two_sum;
 use crate::problem::complex::Complex;
 
 /// Polynomial with real values: the sum of `Re(c z^m) |z|^(2k)`.

@@ -6,8 +6,7 @@ use crate::spectral::contact::search;
 use crate::spectral::fit::Effort;
 use crate::spectral::geometry::domain::SidePlace;
 use crate::spectral::geometry::polygons::polygon;
-use crate::spectral::problem::frame::Frame;
-use crate::spectral::problem::{LoopStart, PlaneProblem, PlaneStart};
+use crate::spectral::problem::{Frame, LoopStart, PlaneProblem, PlaneStart};
 use crate::spectral::source::PlaneSource;
 
 /// Solution on a polygon from one arc between places of its sides.

@@ -2,8 +2,7 @@
 
 use super::*;
 use crate::spectral::fit::field::nodes_at;
-use crate::spectral::geometry::panels::Spot;
-use crate::spectral::geometry::rule::gauss;
+use crate::spectral::geometry::panels::{Spot, gauss};
 use crate::spectral::proof::bench::known::SolvedKnown;
 use crate::spectral::proof::bench::spoilt::Spoiling;
 use crate::spectral::proof::bench::{all_known, solved};

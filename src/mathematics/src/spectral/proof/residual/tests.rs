@@ -111,7 +111,7 @@ fn distances_are_the_largest_of_all_cells() {
                 .nodes
                 .iter()
                 .zip(&own.slopes)
-                .zip(own.own.cell.nodes(crate::spectral::geometry::rule::gauss(28)))
+                .zip(own.own.cell.nodes(crate::spectral::geometry::panels::gauss(28)))
             {
                 let r = if own.own.cell.is_log { r[0] } else { 1.0 };
                 let needed = match node.state {
@@ -214,7 +214,7 @@ fn check_balance(name: &str, proof: &Proof, samples: &[Sampled], error: f64) {
             if own.own.side == 1 {
                 nodes.reverse();
             }
-            let radii = cell.nodes(crate::spectral::geometry::rule::gauss(28));
+            let radii = cell.nodes(crate::spectral::geometry::panels::gauss(28));
             for (k, node) in nodes.into_iter().enumerate() {
                 let may_add = node.state == State::Held && (!has_fixed || !node.lawful);
                 let eta = match node.state {

@@ -3,8 +3,7 @@
 use super::*;
 use crate::problem::complex::Complex;
 use crate::spectral::fit::field::nodes_at;
-use crate::spectral::geometry::panels::Spot;
-use crate::spectral::geometry::rule::gauss;
+use crate::spectral::geometry::panels::{Spot, gauss};
 use crate::spectral::proof::Proof;
 use crate::spectral::proof::bench::known::SolvedKnown;
 use crate::spectral::proof::bench::solved;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::problem::complex::Complex;
-use crate::spectral::geometry::rule::gauss;
+use crate::spectral::geometry::panels::gauss;
 
 /// Guaranteed bracket where all sticks.
 fn bracket_of(domain: &PlaneDomain, source: PlaneSource) -> [f64; 2] {
