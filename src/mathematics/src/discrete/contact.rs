@@ -25,24 +25,6 @@ impl ContactArc {
     pub fn new([from, to]: [[f64; 2]; 2], force: f64, length: f64) -> Self {
         Self { from, to, error: None, closed: from == to, part: None, force, length }
     }
-
-    /// Arc on the boundary of the square.
-    pub fn on_square(ends: [[f64; 2]; 2], force: f64) -> Self {
-        const SIDES: f64 = 4.0;
-        let [from, to] = ends.map(along_square);
-        let length = if ends[0] == ends[1] { SIDES } else { (to - from).rem_euclid(SIDES) };
-        Self::new(ends, force, length)
-    }
-}
-
-/// Way along the boundary of the square from its lower left corner, anticlockwise.
-fn along_square([x, y]: [f64; 2]) -> f64 {
-    match () {
-        () if y <= -0.5 => x + 0.5,
-        () if x >= 0.5 => y + 1.5,
-        () if y >= 0.5 => 2.5 - x,
-        () => 3.5 - y,
-    }
 }
 
 /// Distance by which contact reaches beyond its last node, in cells, from the next two values: they grow like the
@@ -50,19 +32,4 @@ fn along_square([x, y]: [f64; 2]) -> f64 {
 pub fn reach(values: [f64; 2]) -> f64 {
     let [near, far] = values.map(|v| libm::cbrt(v * v));
     if far > near { 1.0 - near / (far - near) } else { 0.5 }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lengths_are_measured_anticlockwise() {
-        let length = |from, to| ContactArc::on_square([from, to], 0.0).length;
-        assert_eq!(length([-0.25, -0.5], [0.25, -0.5]), 0.5);
-        assert_eq!(length([0.25, -0.5], [-0.25, -0.5]), 3.5);
-        assert_eq!(length([-0.5, -0.25], [-0.25, -0.5]), 0.5);
-        assert_eq!(length([0.5, 0.25], [0.25, 0.5]), 0.5);
-        assert_eq!(length([0.5, 0.5], [0.5, 0.5]), 4.0);
-    }
 }

@@ -1,6 +1,6 @@
 //! Largest entry and sum of a load vector, in one pass.
 
-use crate::machine::extremes::max_or_second;
+use crate::machine::extremes::{max_or_second, two_sum};
 use crate::machine::simd::LANES;
 
 /// Range of the largest entry for which a load is not rescaled.
@@ -48,7 +48,7 @@ impl LoadStats {
         let mut all = Self { largest: 0.0, sum: 0.0, lost: 0.0 };
         for part in parts {
             all.largest = all.largest.max(part.largest);
-            (all.sum, all.lost) = two_sum(all.sum, all.lost + part.lost, part.sum);
+            (all.sum, all.lost) = add(all.sum, all.lost + part.lost, part.sum);
         }
         all
     }
@@ -84,7 +84,7 @@ impl LaneStats {
     #[inline(always)]
     fn take(&mut self, lane: usize, size: f64, sum: f64) {
         self.largest[lane] = max_or_second(size, self.largest[lane]);
-        (self.sums[lane], self.losses[lane]) = two_sum(self.sums[lane], self.losses[lane], sum);
+        (self.sums[lane], self.losses[lane]) = add(self.sums[lane], self.losses[lane], sum);
     }
 
     #[inline(always)]
@@ -93,12 +93,11 @@ impl LaneStats {
     }
 }
 
-/// Adds `value` to `sum`, and the rounding error of that addition to `lost` (Knuth's exact transformation).
+/// Adds `value` to `sum`, and the rounding error of that addition to `lost`.
 #[inline(always)]
-fn two_sum(sum: f64, lost: f64, value: f64) -> (f64, f64) {
-    let next = sum + value;
-    let part = next - sum;
-    (next, lost + ((sum - (next - part)) + (value - part)))
+fn add(sum: f64, lost: f64, value: f64) -> (f64, f64) {
+    let [next, remainder] = two_sum(sum, value);
+    (next, lost + remainder)
 }
 
 /// Power of two within a factor of two of `x`. It and its inverse are normal numbers.

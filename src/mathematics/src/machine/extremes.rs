@@ -25,6 +25,7 @@ pub(crate) fn range(values: &[f64]) -> [f64; 2] {
 }
 
 /// Sum of two numbers and its remainder, which is a number (Knuth).
+#[inline(always)]
 pub(crate) fn two_sum(a: f64, b: f64) -> [f64; 2] {
     let sum = a + b;
     let of_b = sum - a;

@@ -71,20 +71,17 @@ pub fn improve_on_nested_networks(
     if !nested.improved.is_slow {
         return Ok(nested.improved);
     }
-    let mut work = Work::of(&nested);
     let again = Start { y: Some(&nested.improved.y), is_slow: true };
     let aggregated = solve_on(last, problem, again, false, params)?;
-    work.add(&aggregated);
     if !aggregated.is_cut_short {
-        return Ok(work.with(aggregated.improved));
+        return Ok(together(&[nested.improved.end], aggregated.improved));
     }
     // Both are slow: go on with the one that lowers the residual more for its work.
     let is_slow = aggregated.speed >= nested.speed;
     let from = Start { y: Some(&aggregated.improved.y), is_slow };
     let chosen = if is_slow { last } else { levels };
     let rest = solve_on(chosen, problem, from, true, params)?;
-    work.add(&rest);
-    Ok(work.with(rest.improved))
+    Ok(together(&[nested.improved.end, aggregated.improved.end], rest.improved))
 }
 
 /// Run on some levels.
@@ -96,27 +93,12 @@ struct LevelRun {
     speed: f64,
 }
 
-/// Steps and work of several runs.
-struct Work {
-    iterations: usize,
-    units: f64,
-}
-
-impl Work {
-    fn of(run: &LevelRun) -> Self {
-        Self { iterations: run.improved.end.iterations, units: run.improved.end.work_units }
-    }
-
-    fn add(&mut self, run: &LevelRun) {
-        self.iterations += run.improved.end.iterations;
-        self.units += run.improved.end.work_units;
-    }
-
-    /// The last of the runs, with the steps and the work of all.
-    fn with(self, last: Improved) -> Improved {
-        let end = End { iterations: self.iterations, work_units: self.units, ..last.end };
-        Improved { end, ..last }
-    }
+/// The last of several runs, with the steps and the work of all.
+fn together(before: &[End], last: Improved) -> Improved {
+    let runs = || before.iter().chain([&last.end]);
+    let iterations = runs().map(|run| run.iterations).sum();
+    let work_units = runs().map(|run| run.work_units).sum();
+    Improved { end: End { iterations, work_units, ..last.end }, ..last }
 }
 
 /// Runs on these levels, and levels of aggregates below them: after a slow run of very strongly coupled nodes. Slow

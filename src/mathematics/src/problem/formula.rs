@@ -56,30 +56,6 @@ pub(crate) enum Binary {
     Atan2,
 }
 
-/// Values of another kind than numbers that formulas can have.
-pub(crate) trait FormulaValues {
-    type Value;
-    /// Reason for which there is no value.
-    type Refusal;
-
-    fn number(&self, value: f64) -> Self::Value;
-
-    fn coordinate(&self, axis: usize) -> Self::Value;
-
-    /// # Errors
-    /// Reason for which there is no value.
-    fn unary(&self, function: Unary, value: Self::Value) -> Result<Self::Value, Self::Refusal>;
-
-    /// # Errors
-    /// Reason for which there is no value.
-    fn binary(
-        &self,
-        function: Binary,
-        first: Self::Value,
-        second: Self::Value,
-    ) -> Result<Self::Value, Self::Refusal>;
-}
-
 /// Most numbers on the stack.
 const DEPTH: usize = 32;
 /// Points along each axis at which a formula is checked: among them the centre and both ends.
@@ -117,23 +93,27 @@ impl Formula {
         stack[0]
     }
 
-    /// Value of another kind.
+    /// Value of another kind than a number, from those of numbers, of the coordinates along the axes, and of functions.
     ///
     /// # Errors
-    /// Reason for which there is none.
-    pub(crate) fn evaluated<A: FormulaValues>(&self, values: &A) -> Result<A::Value, A::Refusal> {
+    /// Reason for which a function has none.
+    pub(crate) fn evaluated<V, E>(
+        &self,
+        number: impl Fn(f64) -> V,
+        coordinate: impl Fn(usize) -> V,
+        unary: impl Fn(Unary, V) -> Result<V, E>,
+        binary: impl Fn(Binary, V, V) -> Result<V, E>,
+    ) -> Result<V, E> {
         const SHORT: &str = "the reader puts as many values on the stack as functions take";
         let mut stack = Vec::new();
         for step in &self.steps {
             let value = match *step {
-                FormulaStep::Number(value) => values.number(value),
-                FormulaStep::Coordinate(axis) => values.coordinate(axis),
-                FormulaStep::Unary(function) => {
-                    values.unary(function, stack.pop().expect(SHORT))?
-                }
+                FormulaStep::Number(value) => number(value),
+                FormulaStep::Coordinate(axis) => coordinate(axis),
+                FormulaStep::Unary(function) => unary(function, stack.pop().expect(SHORT))?,
                 FormulaStep::Binary(function) => {
                     let second = stack.pop().expect(SHORT);
-                    values.binary(function, stack.pop().expect(SHORT), second)?
+                    binary(function, stack.pop().expect(SHORT), second)?
                 }
             };
             stack.push(value);

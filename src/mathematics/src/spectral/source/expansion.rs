@@ -5,7 +5,7 @@
 
 use super::real_polynomial::RealPolynomial;
 use crate::problem::complex::Complex;
-use crate::problem::formula::{Binary, Formula, FormulaValues, Unary};
+use crate::problem::formula::{Binary, Formula, Unary};
 
 /// Largest degree.
 const DEGREE: usize = 32;
@@ -37,9 +37,14 @@ pub(in crate::spectral) fn expanded(
     formula: &Formula,
     expansion: &Expansion,
 ) -> Result<(RealPolynomial, f64), String> {
-    let Expanded { degree, polynomial, error } = formula
-        .evaluated(expansion)
-        .map_err(|part| format!("f is no polynomial in x and y: {part} is in it"))?;
+    let evaluated = formula.evaluated(
+        |value| Expanded::constant(value, 0.0),
+        |axis| expansion.coordinate(axis),
+        |function, value| value.under(function),
+        |function, a, b| expansion.binary(function, a, b),
+    );
+    let Expanded { degree, polynomial, error } =
+        evaluated.map_err(|part| format!("f is no polynomial in x and y: {part} is in it"))?;
     let polynomial = polynomial.ok_or_else(|| {
         format!(
             "f is a polynomial of degree {degree} as it is written; the solver takes up to {DEGREE}"
@@ -51,14 +56,33 @@ pub(in crate::spectral) fn expanded(
     }
 }
 
-impl FormulaValues for Expansion {
-    type Value = Expanded;
-    type Refusal = String;
-
-    fn number(&self, value: f64) -> Expanded {
-        Expanded::constant(value, 0.0)
+impl Expanded {
+    fn constant(value: f64, error: f64) -> Self {
+        let polynomial = RealPolynomial::harmonic(vec![Complex::new(value, 0.0)]);
+        Self { degree: 0, polynomial: Some(polynomial), error }
     }
 
+    /// Value of a constant; none of other polynomials.
+    fn number(&self) -> Option<f64> {
+        let polynomial = self.polynomial.as_ref().filter(|_| self.degree == 0)?;
+        Some(polynomial.constant())
+    }
+
+    /// Value of a function of it.
+    fn under(self, function: Unary) -> Result<Self, String> {
+        if function == Unary::Minus {
+            let polynomial = self.polynomial.map(|own| own.weighted(|_, _| -1.0));
+            return Ok(Self { polynomial, ..self });
+        }
+        let name = function.name();
+        let c = self.number().ok_or_else(|| format!("{name} of x or y"))?;
+        let off = function.slope(c, self.error) * self.error;
+        let of_c = function.value(c);
+        Ok(Self::constant(of_c, off + OFF * of_c.abs()))
+    }
+}
+
+impl Expansion {
     fn coordinate(&self, axis: usize) -> Expanded {
         let [x, y] = self.origin.coordinates();
         let (start, way) = match axis {
@@ -67,18 +91,6 @@ impl FormulaValues for Expansion {
         };
         let polynomial = RealPolynomial::harmonic(vec![Complex::new(start, 0.0), way]);
         Expanded { degree: 1, polynomial: Some(polynomial), error: 0.0 }
-    }
-
-    fn unary(&self, function: Unary, value: Expanded) -> Result<Expanded, String> {
-        if function == Unary::Minus {
-            let polynomial = value.polynomial.map(|own| own.weighted(|_, _| -1.0));
-            return Ok(Expanded { polynomial, ..value });
-        }
-        let name = function.name();
-        let c = value.number().ok_or_else(|| format!("{name} of x or y"))?;
-        let off = function.slope(c, value.error) * value.error;
-        let of_c = function.value(c);
-        Ok(Expanded::constant(of_c, off + OFF * of_c.abs()))
     }
 
     fn binary(&self, function: Binary, a: Expanded, b: Expanded) -> Result<Expanded, String> {
@@ -98,22 +110,7 @@ impl FormulaValues for Expansion {
             }
         }
     }
-}
 
-impl Expanded {
-    fn constant(value: f64, error: f64) -> Self {
-        let polynomial = RealPolynomial::harmonic(vec![Complex::new(value, 0.0)]);
-        Self { degree: 0, polynomial: Some(polynomial), error }
-    }
-
-    /// Value of a constant; none of other polynomials.
-    fn number(&self) -> Option<f64> {
-        let polynomial = self.polynomial.as_ref().filter(|_| self.degree == 0)?;
-        Some(polynomial.constant())
-    }
-}
-
-impl Expansion {
     fn sum(&self, a: &Expanded, b: &Expanded, sign: f64) -> Expanded {
         let degree = a.degree.max(b.degree);
         let (mut polynomial, mut error) = (None, a.error + b.error);
