@@ -1,8 +1,8 @@
 //! The discrete problem: the grid or network on which it is posed, with its connected components, the law on the
 //! boundary, and the load vector.
 //!
-//! A solver takes law and load at once. Neither is a setting of the solver, and neither has a default, so that no caller
-//! can forget the law.
+//! A solver takes law and load at once. Neither is a setting of the solver, and neither has a default, so that no
+//! caller can forget the law.
 
 use super::grid::Grid;
 use super::load_stats::LoadStats;

@@ -1,7 +1,7 @@
 //! End of an iteration, its judgement, and the verdict on the vector: a solution, a rough one, or none.
 //!
-//! One rule for all solvers and commands. The verdict reads the conditions of the solution, not the stopping rule, which
-//! may hold far from the solution.
+//! One rule for all solvers and commands. The verdict reads the conditions of the solution, not the stopping rule,
+//! which may hold far from the solution.
 
 use super::kkt::{Judgement, Kkt};
 use super::norms::sum;

@@ -1,6 +1,6 @@
 //! ZIP archives (APPNOTE 6.3), without dates. Files are compressed where that makes them a quarter as long: values with
-//! all their digits hardly get shorter, and stored as they are they are read in place. Files in NPY version 1.0: an array
-//! of little-endian numbers, the last index running fastest.
+//! all their digits hardly get shorter, and stored as they are they are read in place. Files in NPY version 1.0: an
+//! array of little-endian numbers, the last index running fastest.
 
 use miniz_oxide::deflate::compress_to_vec;
 

@@ -74,14 +74,16 @@ pub fn improve_on_nested_networks(
     let again = Start { y: Some(&nested.improved.y), is_slow: true };
     let aggregated = solve_on(last, problem, again, false, params)?;
     if !aggregated.is_cut_short {
-        return Ok(together(&[nested.improved.end], aggregated.improved));
+        let runs = [nested.improved.end, aggregated.improved.end];
+        return Ok(together(&runs, aggregated.improved));
     }
     // Both are slow: go on with the one that lowers the residual more for its work.
     let is_slow = aggregated.speed >= nested.speed;
     let from = Start { y: Some(&aggregated.improved.y), is_slow };
     let chosen = if is_slow { last } else { levels };
     let rest = solve_on(chosen, problem, from, true, params)?;
-    Ok(together(&[nested.improved.end, aggregated.improved.end], rest.improved))
+    let runs = [&nested, &aggregated, &rest].map(|run| run.improved.end);
+    Ok(together(&runs, rest.improved))
 }
 
 /// Run on some levels.
@@ -93,11 +95,10 @@ struct LevelRun {
     speed: f64,
 }
 
-/// The last of several runs, with the steps and the work of all.
-fn together(before: &[End], last: Improved) -> Improved {
-    let runs = || before.iter().chain([&last.end]);
-    let iterations = runs().map(|run| run.iterations).sum();
-    let work_units = runs().map(|run| run.work_units).sum();
+/// The last of some runs, with the steps and the work of all.
+fn together(runs: &[End], last: Improved) -> Improved {
+    let iterations = runs.iter().map(|run| run.iterations).sum();
+    let work_units = runs.iter().map(|run| run.work_units).sum();
     Improved { end: End { iterations, work_units, ..last.end }, ..last }
 }
 

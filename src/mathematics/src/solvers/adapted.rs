@@ -15,8 +15,8 @@
 //!    a curved boundary the energy between chord and curve counts as a part of the cell, since no bound feels it.
 //!
 //! Uniform refinements of the first mesh are solved as well where stretched cells have much of the error, as far as
-//! they have fewer nodes than the next adapted mesh and may meet the goal; the first that does is the last mesh. There one
-//! of them may meet the goal with fewer nodes, since all cells keep their shape.
+//! they have fewer nodes than the next adapted mesh and may meet the goal; the first that does is the last mesh. There
+//! one of them may meet the goal with fewer nodes, since all cells keep their shape.
 //!
 //! The bounds fall like the inverse root of the number of nodes, whatever the corners and ends of contact. Where they
 //! do not fall although the number of nodes has doubled, the solution is computed to rounding once, and if that does

@@ -4,8 +4,8 @@
 //! sum over the jumps ([`potential`]) and whose values are in [`psi`]; small closed shapes are seen from their own
 //! middles ([`groups`]). Of formulas: [`expansion`] multiplies them out to a [`polynomial`].
 //!
-//! Borders between [`regions`] of a mesh on which f differs are the polygons that the edges of the mesh are. No part of a
-//! mesh lies inside of it, so that no circle can be named for a border.
+//! Borders between [`regions`] of a mesh on which f differs are the polygons that the edges of the mesh are. No part of
+//! a mesh lies inside of it, so that no circle can be named for a border.
 
 pub(super) mod changes;
 pub(super) mod closed_edges;

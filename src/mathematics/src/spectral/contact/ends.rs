@@ -1,4 +1,5 @@
-//! Arcs of a solution that stick, and ends of contact: the expansion of v there, and estimates of how far from the true ends those that were found are.
+//! Arcs of a solution that stick, and ends of contact: the expansion of v there, and estimates of how far from the true
+//! ends those that were found are.
 //!
 //! The first coefficient K of the expansion vanishes at the true end ([`newton`](super::newton)). What the conditions
 //! are missed by, rho(s) at a distance s from the end, changes it: on a half-plane, half of whose border sticks, by at

@@ -1,6 +1,6 @@
 //! Points behind the boundary: mirror images, at which the continued solution is singular, and the medial axis of what
-//! lies outside of a domain, centres of the discs outside that touch the boundary in two points or more, as in the middle
-//! of a slot. Poles there are as far from the boundary as they can be.
+//! lies outside of a domain, centres of the discs outside that touch the boundary in two points or more, as in the
+//! middle of a slot. Poles there are as far from the boundary as they can be.
 
 use crate::problem::complex::Complex;
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneSide};

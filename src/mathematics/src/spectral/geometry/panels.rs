@@ -1,6 +1,7 @@
 //! Panels of intervals, which get short towards corners, ends of contact and crossings, and points on them.
 //!
-//! The points are those of Gauss rules. A point is known by the next of these splits and its offset from there, so that distances from it have all digits.
+//! The points are those of Gauss rules. A point is known by the next of these splits and its offset from there, so that
+//! distances from it have all digits.
 
 use super::boundary::{Split, Walk};
 use crate::problem::complex::Complex;

@@ -1,5 +1,5 @@
-//! Moments of the right-hand side over a cell, and numbers of several cells side by side: structs of numbers, which also
-//! hold an array in the place of each number.
+//! Moments of the right-hand side over a cell, and numbers of several cells side by side: structs of numbers, which
+//! also hold an array in the place of each number.
 
 use crate::discrete::cells::{SweepCut, bilinear};
 use crate::discrete::grid::Grid;

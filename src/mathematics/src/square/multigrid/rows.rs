@@ -1,6 +1,6 @@
 //! Rows of nodes along x with red and black nodes stored apart, the layout of the grids of a hierarchy: the five-point
-//! stencil of a row needs the two neighbouring rows and no others. Numbers of the boundary nodes, and scratch memory of a
-//! pass over a block of rows.
+//! stencil of a row needs the two neighbouring rows and no others. Numbers of the boundary nodes, and scratch memory of
+//! a pass over a block of rows.
 
 use crate::machine::simd::vectorised;
 use crate::machine::threads::{TASK, in_tasks};
