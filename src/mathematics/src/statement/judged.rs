@@ -5,9 +5,7 @@
 use super::Statement;
 use super::warning::{Failure, Warning};
 use crate::bounds::{Accuracy, Bounds};
-use crate::discrete::end::Outcome;
-use crate::discrete::stop::Stop;
-use crate::discrete::verdict::Verdict;
+use crate::discrete::end::{Outcome, Stop, Verdict};
 use crate::levels::Problem;
 use crate::solvers::{ReachEnd, Solved};
 

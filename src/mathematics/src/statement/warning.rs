@@ -1,8 +1,7 @@
 //! Facts by which an answer is judged: warnings, and the failure of what is not as asked.
 
 use crate::bounds::{Accuracy, NoBound};
-use crate::discrete::stop::Stop;
-use crate::discrete::verdict::Violation;
+use crate::discrete::end::{Stop, Violation};
 use crate::problem::law::Law;
 use crate::problem::text::{Written, percent, plain};
 use crate::saddle::tolerance;
