@@ -16,6 +16,7 @@ use crate::timing::median::{MedianTime, time};
 use crate::timing::recorded::Machine;
 use clap::Args;
 use serde_json::{Map, Value, json};
+use signorini_mathematics::levels::Problem;
 use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::solvers::Memory;
 use signorini_mathematics::statement::Statement;
@@ -111,10 +112,13 @@ fn median(statement: &Statement, file: Option<&[u8]>, repeats: usize) -> Option<
         return Some(time(repeats, || _ = black_box(statement.solved(file).is_ok())));
     }
     let problem = statement.problem(statement.mesh(file).ok()?.as_ref(), &|_| ()).ok()?;
-    let memory = Memory::new(None);
-    let solve = || statement.solve(problem.clone(), memory, &mut (), &|_| ());
-    solve().ok()?;
-    Some(time(repeats, || _ = black_box(solve().is_ok())))
+    is_solved(statement, &problem)
+        .then(|| time(repeats, || _ = black_box(is_solved(statement, &problem))))
+}
+
+/// True if the solver of a statement solves its problem.
+fn is_solved(statement: &Statement, problem: &Problem) -> bool {
+    statement.solve(problem.clone(), Memory::new(None), &mut (), &|_| ()).is_ok()
 }
 
 /// Table with all columns and digits.

@@ -147,5 +147,5 @@ impl Search {
 }
 
 fn refused(error: impl Display) -> Error {
-    Error::input(format!("{IDENTIFIED}: {error}"))
+    Error::input(format!("{IDENTIFIED}: values: {error}"))
 }

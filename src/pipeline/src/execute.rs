@@ -240,15 +240,18 @@ impl<'a> Walk<'a> {
         failed || self.interrupt.is_asked()
     }
 
+    fn group(&self, job: &Job) -> Option<&'a Group> {
+        self.plan.tasks()[job.task].group.as_ref()
+    }
+
     /// Takes the next job from a queue, with as many others of its group as leave no thread without work.
     fn next(&self, queue: &mut VecDeque<Job>, threads: usize) -> Vec<Job> {
         let share = queue.len().div_ceil(threads);
-        let group = |job: &Job| self.plan.tasks()[job.task].group.as_ref();
         let Some(first) = queue.pop_front() else { return Vec::new() };
-        let of_first = group(&first);
+        let of_first = self.group(&first);
         let mut jobs = vec![first];
         if let Some(Group { most, .. }) = of_first {
-            let others = (0..queue.len()).filter(|&k| group(&queue[k]) == of_first);
+            let others = (0..queue.len()).filter(|&k| self.group(&queue[k]) == of_first);
             let others: Vec<_> = others.collect();
             let most = share.clamp(1, *most);
             // In equal parts.
@@ -274,7 +277,7 @@ impl<'a> Walk<'a> {
             self.progress.start(&task.id);
             let needs = task.needs.iter();
             let needed = needs.map(|need| (need.clone(), self.manifest(need).outputs.clone()));
-            tasks.push(run::Job { task, inputs, needed: needed.collect() });
+            tasks.push(run::PreparedTask { task, inputs, needed: needed.collect() });
             reasons.push((task.id.clone(), reason));
         }
         let at_work = interrupt.begin();

@@ -141,8 +141,10 @@ impl Task {
         let mut parameters = BTreeMap::new();
         flatten("", &value, &mut parameters);
         let work: Work = Box::new(move |all| {
-            let read = |&(value, inputs)| (P::deserialize(value).expect("read as written"), inputs);
-            work(&all.iter().map(read).collect::<Vec<_>>())
+            let all = all.iter().map(|&(value, inputs)| {
+                (P::deserialize(value).expect("read as it is written"), inputs)
+            });
+            work(&all.collect::<Vec<_>>())
         });
         let (files, export, group) = (InputFiles::new(), None, None);
         Self { id, files, needs, export, value, parameters, work, group }

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Task that is to be run.
-pub(super) struct Job<'a> {
+pub(super) struct PreparedTask<'a> {
     pub(super) task: &'a Task,
     pub(super) inputs: BTreeMap<String, String>,
     /// Artifacts of the tasks that it needs.
@@ -18,12 +18,12 @@ pub(super) struct Job<'a> {
 
 /// Runs tasks of one group, or one alone, by the function of the first; returns the record of each.
 pub(super) fn run(
-    jobs: Vec<Job<'_>>,
+    jobs: Vec<PreparedTask<'_>>,
     store: &Store,
     interrupt: &Interrupt,
 ) -> Vec<Result<Manifest>> {
     let mut read = Vec::new();
-    for Job { task, inputs, needed } in &jobs {
+    for PreparedTask { task, inputs, needed } in &jobs {
         match artifacts(needed, store) {
             Ok(artifacts) => read.push((*task, artifacts, shown_digest(inputs))),
             Err(e) => return vec![Err(e)],
@@ -51,7 +51,7 @@ pub(super) fn run(
         }
     };
     let mut records = Vec::new();
-    for (made, Job { task, inputs, .. }) in made.into_iter().zip(jobs) {
+    for (made, PreparedTask { task, inputs, .. }) in made.into_iter().zip(jobs) {
         records.push(match made {
             Ok(made) => store.record(&task.id, inputs, &made),
             Err(failure) => Err(match failure.downcast_ref() {

@@ -253,8 +253,9 @@ impl Monitor for Recorder<'_> {
 
     fn level(&mut self, pair: &Pair, history: &[Iteration]) {
         // The last of a run that diverged are no numbers.
-        let numbers = |one: &&Iteration| one.gradient_abs.is_finite() && one.delta_a.is_finite();
-        self.history.push(history.iter().filter(numbers).copied().collect());
+        let history = history.iter().copied();
+        let numbers = history.filter(|it| it.gradient_abs.is_finite() && it.delta_a.is_finite());
+        self.history.push(numbers.collect());
         self.pairs.push(pair.clone());
     }
 }

@@ -7,8 +7,8 @@
 //! as soon as an inequality fails. Counts on coarse grids cost microseconds and discard nearly everything.
 //!
 //! # Parts
-//! [`Variant`] is a reading of the method, [`Evaluator`] runs one f, [`Target::searched`] tries every f with one value on a
-//! quadrant and another elsewhere, [`identifiability`] tells how sharply the tables fix what was found.
+//! [`Variant`] is a reading of the method, [`Evaluator`] runs one f, [`Target::searched`] tries every f with one value
+//! on a quadrant and another elsewhere, [`identifiability`] tells how sharply the tables fix what was found.
 
 mod evaluate;
 mod findings;

@@ -1,7 +1,7 @@
 //! Runs over nested grids and networks: on each from the interpolated pair of the one before.
 
 use super::Pair;
-use super::solve::{Iteration, LevelRun, Params, solve_together};
+use super::solve::{AskedRun, Iteration, Params, solve_together};
 use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::end::{Outcome, Stop};
 use crate::discrete::grid::Grid;
@@ -165,23 +165,25 @@ pub fn solve_nested_together<L: NestedLevels + ?Sized>(
                 found[number].1 = levels.interpolated(k, &found[number].1);
             }
         }
-        let of_number = |&number: &usize| LevelRun {
+        let on_level = going.iter().map(|&number| AskedRun {
             problem: law.with_load(&runs[number].loads[k]),
             params: runs[number].params_on(k),
             start: &found[number].1,
             has_history: monitors[number].has_history(),
-        };
-        let on_level: Vec<_> = going.iter().map(of_number).collect();
+        });
+        let on_level: Vec<_> = on_level.collect();
         let ends = solve_together(levels.domain(k), &on_level);
         for (&number, end) in going.iter().zip(ends) {
             monitors[number].level(&end.pair, &end.history);
             found[number].0.push(end.outcome);
             found[number].1 = end.pair;
         }
-        let sweeps = |number: usize| found[number].0[k].end.work_units;
         going.retain(|&number| found[number].0[k].end.stop != Stop::Diverged);
         // The longest first, so that all lanes are full nearly to the end.
-        going.sort_by(|&one, &other| sweeps(other).total_cmp(&sweeps(one)));
+        going.sort_by(|&one, &other| {
+            let [one, other] = [one, other].map(|number| found[number].0[k].end.work_units);
+            other.total_cmp(&one)
+        });
     }
     found
 }

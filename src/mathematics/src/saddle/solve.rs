@@ -87,7 +87,7 @@ impl RunGoal {
 
 /// Run on one grid or network.
 #[derive(Clone, Copy)]
-pub(super) struct LevelRun<'a> {
+pub(super) struct AskedRun<'a> {
     pub(super) problem: LawAndLoad<'a>,
     pub(super) params: Params,
     /// Pair from which the run starts.
@@ -96,7 +96,7 @@ pub(super) struct LevelRun<'a> {
     pub(super) has_history: bool,
 }
 
-impl LevelRun<'_> {
+impl AskedRun<'_> {
     fn start(&self) -> RunStart<'_> {
         let Params { method, r, .. } = self.params;
         RunStart { load: self.problem.load, method, r, pair: self.start }
@@ -127,7 +127,7 @@ pub fn solve<'a>(
     params: &Params,
     pair: &mut Pair,
 ) -> Outcome {
-    let run = LevelRun { problem, params: *params, start: pair, has_history: false };
+    let run = AskedRun { problem, params: *params, start: pair, has_history: false };
     let ends = solve_together(domain.into(), &[run]);
     let [end] = <[LevelEnd; 1]>::try_from(ends).ok().expect("a run has an end");
     *pair = end.pair;
@@ -158,7 +158,7 @@ const FEW: usize = 2;
 ///
 /// # Panics
 /// If a vector has the wrong length for the domain, or an r is not positive.
-pub(super) fn solve_together(domain: DiscreteDomain<'_>, runs: &[LevelRun<'_>]) -> Vec<LevelEnd> {
+pub(super) fn solve_together(domain: DiscreteDomain<'_>, runs: &[AskedRun<'_>]) -> Vec<LevelEnd> {
     match domain {
         DiscreteDomain::Grid(grid) if runs.len() > FEW => {
             let mut lanes = Lanes::<LANES>::new(grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
@@ -186,7 +186,7 @@ type Enter<E> = fn(&mut E, usize, Law, &RunStart<'_>);
 fn in_lanes<const K: usize, E: Engine<K>>(
     engine: &mut E,
     domain: DiscreteDomain<'_>,
-    runs: &[LevelRun<'_>],
+    runs: &[AskedRun<'_>],
     enter: Enter<E>,
 ) -> Vec<LevelEnd> {
     let histories = vec![Vec::new(); runs.len()];
@@ -200,7 +200,7 @@ fn in_lanes<const K: usize, E: Engine<K>>(
 /// Goals of the runs in the lanes of an engine, and the runs that wait for a lane.
 struct LaneGoals<'r, E, const K: usize> {
     domain: DiscreteDomain<'r>,
-    runs: &'r [LevelRun<'r>],
+    runs: &'r [AskedRun<'r>],
     enter: Enter<E>,
     /// Number of the run in each lane.
     lanes: [usize; K],
@@ -222,8 +222,8 @@ impl<E: Engine<K>, const K: usize> LaneGoals<'_, E, K> {
 
     /// Notes the iteration of each run whose history is wanted.
     fn note(&mut self, engine: &mut E, runs: [Option<&RunState>; K]) {
-        let has_history = |lane: usize| self.runs[self.lanes[lane]].has_history;
-        let noted: [_; K] = from_fn(|lane| runs[lane].filter(|_| has_history(lane)));
+        let noted: [_; K] =
+            from_fn(|lane| runs[lane].filter(|_| self.runs[self.lanes[lane]].has_history));
         if noted.iter().all(Option::is_none) {
             return;
         }
@@ -240,8 +240,8 @@ impl<E: Engine<K>, const K: usize> LaneGoals<'_, E, K> {
 impl<E: Engine<K>, const K: usize> Goals<E, K> for LaneGoals<'_, E, K> {
     fn reached(&mut self, engine: &mut E, runs: [Option<&RunState>; K]) -> [bool; K] {
         self.note(engine, runs);
-        let bound = |lane: usize| self.runs[self.lanes[lane]].goal().bound(runs[lane]?);
-        within(engine, from_fn(bound))
+        let bounds = from_fn(|lane| self.runs[self.lanes[lane]].goal().bound(runs[lane]?));
+        within(engine, bounds)
     }
 
     fn ended(&mut self, engine: &mut E, lane: usize, end: End) -> Option<RunState> {

@@ -7,13 +7,14 @@
 //! so that few iterations are enough.
 
 use super::{Settings, Solver, solve};
+use crate::discrete::end::End;
 use crate::discrete::grid::Grid;
 use crate::discrete::network::{ContactRow, Network};
 use crate::discrete::norms::largest;
 use crate::levels::Problem;
 use crate::problem::law::Law;
 use crate::saddle::batch::{Lanes, Order};
-use crate::saddle::{Engine, Method, Pair, RunStart};
+use crate::saddle::{Engine, Goals, Method, Pair, RunStart, RunState, run};
 
 /// Relative change of a gap from block to block of iterations at which it is taken for settled.
 const SETTLED: f64 = 1e-3;
@@ -63,8 +64,8 @@ struct Case<'a> {
 impl<'a> Case<'a> {
     fn new(problem: &'a Problem) -> Result<Self, String> {
         let grid = problem.lattices().ok_or("convergence is known on the square")?.finest();
-        let run = solve(problem, &Settings::of(Solver::ActiveSet)).map_err(|e| e.to_string())?;
-        let held = run.pair().a.iter().map(|&a| a > 0.0).collect();
+        let solved = solve(problem, &Settings::of(Solver::ActiveSet)).map_err(|e| e.to_string())?;
+        let held = solved.pair().a.iter().map(|&a| a > 0.0).collect();
         Ok(Self { grid, network: Network::of_square(grid), load: problem.load(), held })
     }
 
@@ -117,31 +118,55 @@ impl<'a> Case<'a> {
     /// settled; and the number of iterations.
     fn measured(&self, r: f64) -> Result<(f64, usize), String> {
         let (method, pair) = (Method::ArrowHurwicz, &Pair::zero(self.grid));
+        let start = RunStart { load: self.load, method, r, pair };
         let mut lane = Lanes::<1, f64>::new(self.grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
-        lane.enter(0, Law::SIGNORINI, &RunStart { load: self.load, method, r, pair });
-        let (mut last, mut change, mut before) = (Vec::new(), f64::NAN, f64::NAN);
-        for iterations in 1..=BLOCKS * self.block() {
-            lane.sweep();
-            lane.dual_step([true]);
-            let at = iterations % self.block();
-            if at + 1 == self.block() {
-                last.clone_from(&lane.pair(0).y);
-            }
-            if at > 0 {
-                continue;
-            }
-            let pair = lane.pair(0);
-            let changes: Vec<f64> = pair.y.iter().zip(&last).map(|(y, last)| y - last).collect();
-            let now = largest(&changes);
-            let gap = self.gap_of(now / change);
-            let is_final = pair.a.iter().zip(&self.held).all(|(&a, &held)| (a > 0.0) == held);
-            if is_final && (gap - before).abs() <= SETTLED * gap {
-                return Ok((gap, iterations + 1));
-            }
-            // A factor under another contact set says nothing.
-            (change, before) = (now, if is_final { gap } else { f64::NAN });
+        lane.enter(0, Law::SIGNORINI, &start);
+        let state = RunState::new(&start, BLOCKS * self.block());
+        let (change, gap) = (f64::NAN, f64::NAN);
+        let mut goal = FactorGoal { case: self, last: Vec::new(), change, gap, end: None };
+        run(&mut lane, [Some(state)], &mut goal);
+        match goal.end.and_then(|end| end.count()) {
+            Some(iterations) => Ok((goal.gap, iterations + 1)),
+            None => Err(format!("the method does not settle with r = {r}")),
         }
-        Err(format!("the method does not settle with r = {r}"))
+    }
+}
+
+/// Goal of the method itself: that its factor settles from block to block of iterations.
+struct FactorGoal<'a> {
+    case: &'a Case<'a>,
+    /// y before the last iteration of a block.
+    last: Vec<f64>,
+    /// Change of y in the last iteration of the last block.
+    change: f64,
+    /// One minus the factor of the last block; NaN under another contact set than the final one.
+    gap: f64,
+    end: Option<End>,
+}
+
+impl Goals<Lanes<1, f64>, 1> for FactorGoal<'_> {
+    fn reached(&mut self, lane: &mut Lanes<1, f64>, runs: [Option<&RunState>; 1]) -> [bool; 1] {
+        let (case, at) = (self.case, runs[0].map_or(1, |run| run.iterations % self.case.block()));
+        if at + 1 == case.block() {
+            self.last.clone_from(&lane.pair(0).y);
+        }
+        if at > 0 {
+            return [false];
+        }
+        let pair = lane.pair(0);
+        let changes: Vec<f64> = pair.y.iter().zip(&self.last).map(|(y, last)| y - last).collect();
+        let now = largest(&changes);
+        let gap = case.gap_of(now / self.change);
+        let is_final = pair.a.iter().zip(&case.held).all(|(&a, &held)| (a > 0.0) == held);
+        let is_settled = is_final && (gap - self.gap).abs() <= SETTLED * gap;
+        // A factor under another contact set says nothing.
+        (self.change, self.gap) = (now, if is_final { gap } else { f64::NAN });
+        [is_settled]
+    }
+
+    fn ended(&mut self, _: &mut Lanes<1, f64>, _: usize, end: End) -> Option<RunState> {
+        self.end = Some(end);
+        None
     }
 }
 

@@ -110,7 +110,7 @@ fn a_task_that_takes_long_may_end_early() {
     let store = Store::new(cache.path()).unwrap();
     interrupt.ask();
     for (asked, ends) in [(&interrupt, true), (&Interrupt::new(), false)] {
-        let job = run::Job { task: &long, inputs: BTreeMap::new(), needed: Vec::new() };
+        let job = run::PreparedTask { task: &long, inputs: BTreeMap::new(), needed: Vec::new() };
         let ended = run::run(vec![job], &store, asked);
         assert_eq!(matches!(ended[0], Err(Error::Interrupted)), ends, "{ended:?}");
     }

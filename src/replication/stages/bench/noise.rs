@@ -101,8 +101,10 @@ impl Undisturbed {
         let (mut r, mut random) = (Vec::new(), Vec::new());
         for repetition in 0..repetitions {
             r.extend(&self.r);
-            let stream = |r: &f64| size.to_bits() ^ r.to_bits().rotate_left(17) ^ repetition;
-            random.extend(self.r.iter().map(|r| RandomNumbers::new(stream(r))));
+            for r in &self.r {
+                let stream = size.to_bits() ^ r.to_bits().rotate_left(17) ^ repetition;
+                random.push(RandomNumbers::new(stream));
+            }
         }
         let found = self.problem.counts(self.saddle, &r, &mut |run, entry| {
             *entry += *entry * (size * (2.0 * random[run].unit() - 1.0));

@@ -41,12 +41,11 @@ impl AskedRadius {
             cases.extend(self.cells.iter().map(|&cells| (problem, f, cells)));
         }
         let found = cases.par_iter().map(|&(problem, f, cells)| {
-            let refused = |reason: String| format!("{problem} on 1/{cells}: {reason}");
             let fineness = Fineness::Width(cells);
             let statement = Statement { fineness, ..Statement::usual(Domain::square(), f) };
-            let problem = statement.exactly().problem(None, &|_| ());
-            let problem = problem.map_err(|e| refused(e.to_string()))?;
-            problem.convergence(&self.r, self.measured_r).map_err(refused)
+            let found = statement.exactly().problem(None, &|_| ()).map_err(|e| e.to_string());
+            let found = found.and_then(|stated| stated.convergence(&self.r, self.measured_r));
+            found.map_err(|reason| format!("{problem} on 1/{cells}: {reason}"))
         });
         let found: Vec<_> = found.collect::<Result<_, String>>()?;
         let (mut radii, mut measured) = (Vec::new(), Vec::new());

@@ -141,8 +141,8 @@ fn a_history_has_each_step() {
     let (grid, load) = setting(PROBLEMS[1]);
     let params = Params { method: uzawa(0.0), ..tight(1.0) };
     let (problem, start) = (Law::SIGNORINI.with_load(&load), &Pair::zero(grid));
-    let run = LevelRun { problem, params, start, has_history: true };
-    let without = LevelRun { has_history: false, ..run };
+    let run = AskedRun { problem, params, start, has_history: true };
+    let without = AskedRun { has_history: false, ..run };
     for runs in [vec![run], vec![without, without, run]] {
         let ends = solve_together(grid.into(), &runs);
         let LevelEnd { outcome, history, .. } = &ends[runs.len() - 1];
@@ -172,7 +172,7 @@ fn runs_side_by_side_have_the_bits_of_each_alone() {
                     ..Params::default()
                 };
                 let problem = Law::SIGNORINI.with_load(load);
-                runs.push(LevelRun { problem, params, start, has_history: false });
+                runs.push(AskedRun { problem, params, start, has_history: false });
             }
         }
     }
