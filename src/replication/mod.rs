@@ -2,6 +2,7 @@
 //!
 //! Central are `stages::plan`, which turns scenes into tasks, and `Paper::compare`, which compares the tables.
 
+pub(crate) mod columns;
 pub mod comparison;
 pub(crate) mod fields;
 pub(crate) mod identified;

@@ -1,81 +1,15 @@
-//! Numbers of a solution: a row of the table of a study, with the names of its columns.
+//! Numbers of a solution: a row of the table of a study.
 
+use crate::replication::columns::{END, STOP, shown};
 use crate::replication::record::details::{details, settings};
 use crate::replication::record::levels::LevelNumbers;
 use crate::replication::record::{Advice, Record};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use signorini_mathematics::bounds::Bounds;
-use signorini_mathematics::problem::text::{interval, known, percent, plain};
+use signorini_mathematics::problem::text::{interval, percent, plain};
 use signorini_mathematics::solvers::{Solved, Solver};
 use signorini_mathematics::statement::Statement;
-
-/// Columns of the numbers, in their order.
-pub(crate) const COLUMNS: [&str; 24] = [
-    "energy",
-    "energy_lower",
-    "energy_upper",
-    "error_relative",
-    "error_l2",
-    "error_h1",
-    "error_max",
-    "v_least",
-    "v_greatest",
-    "contact_length",
-    "contact_length_error",
-    "force",
-    "nodes",
-    "iterations",
-    "work_units",
-    "iterations_per_grid",
-    STOP,
-    "kkt_relative",
-    "delta_a",
-    "solver",
-    "reserve",
-    "warnings",
-    "remedy",
-    "reason",
-];
-
-/// Column of the end of the solver, and its name in studies of the stopping rule.
-pub(crate) const STOP: &str = "stop";
-pub(crate) const END: &str = "end";
-
-/// Returns the name of a column in words, as tables for a paper and charts have it.
-pub(crate) fn in_words(column: &str) -> String {
-    match column {
-        "error_relative" => "relative error".into(),
-        "kkt_relative" => "relative KKT residual".into(),
-        other => other.replace('_', " "),
-    }
-}
-
-/// Columns that stand beside one with digits that may not be known: what bounds its number.
-pub(crate) fn beside(column: &str) -> &'static [&'static str] {
-    match column {
-        "energy" => &["energy_lower", "energy_upper"],
-        "contact_length" => &["contact_length_error"],
-        _ => &[],
-    }
-}
-
-/// Returns the number in a column with so many digits; one of a true solution with those of them that are known by the
-/// numbers `of` the columns [`beside`] it.
-pub(crate) fn shown(
-    (column, digits): (&str, usize),
-    is_true: bool,
-    of: impl Fn(&str) -> Option<f64>,
-) -> Option<String> {
-    let number = of(column)?;
-    let bounds = beside(column).iter().map(|name| of(name).filter(|_| is_true));
-    let ends = match bounds.collect::<Option<Vec<f64>>>().as_deref() {
-        Some(&[lower, upper]) => Some([lower, upper]),
-        Some(&[error]) => Some([number - error, number + error]),
-        _ => None,
-    };
-    Some(known(number, ends, digits))
-}
 
 /// Numbers of a solution, or the reason for which there is none. What a solver does not have, or is no number, is none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -308,6 +242,7 @@ fn cell(value: &Value) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::replication::columns::COLUMNS;
 
     #[test]
     fn every_column_is_a_field() {

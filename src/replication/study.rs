@@ -1,10 +1,11 @@
 //! Studies: scenes whose members have other values of some fields, or of names in f.
 
+use crate::replication::columns::{COLUMNS, END, STOP, beside};
 use crate::replication::fields::keys::{AxisName, ChartFields};
 use crate::replication::fields::lists::repeated;
 use crate::replication::fields::member::{Member, Varying, in_words};
 use crate::replication::fields::table::{Field, Reading, Refused, field};
-use crate::replication::numbers::{COLUMNS, END, Numbers, STOP, beside};
+use crate::replication::numbers::Numbers;
 use crate::table::Table;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
