@@ -140,8 +140,9 @@ fn runs_interrupted_at_random_moments_resume() {
 /// Cells that never converge: each takes its cap of iterations.
 fn slow() -> Project {
     let text = TABLE
+        .replace("else=-1", "else=-$c")
         .replace("[4, 8]", "[4, 8, 16, 32, 64]")
-        .replace("[10, 1]", "[1e-9, 2e-9, 3e-9, 4e-9, 5e-9, 6e-9]");
+        .replace("r = [10, 1]", "r = [1e-9]\nvary = { c = [1, 2, 3, 4, 5, 6] }");
     Project::with(&(text.replace("\"signed\"", "\"printed\"") + "max_iterations = 20000\n"))
 }
 

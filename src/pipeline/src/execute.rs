@@ -207,9 +207,11 @@ impl<'a> Walk<'a> {
                 }
                 let ended = receive.recv().expect("this end has a sender as well");
                 running -= 1;
+                let failed = self.summary.failed.len();
                 for (ran, made) in ended {
-                    if made.is_err() && self.stops() {
-                        // Of a group that failed, as of others, the first reason is told.
+                    let is_other = self.summary.failed.len() > failed && !self.options.keep_going;
+                    if is_other && matches!(made, Err(Error::Stage(_))) {
+                        // Of a group that failed, as of all tasks, the first reason is told.
                         continue;
                     }
                     match self.settle(ran, made) {

@@ -1,9 +1,10 @@
 //! The table of fields in words, for pages.
 
 use super::Fields;
-use super::table::{Domains, FIELDS, Field};
+use super::table::{Domains, FIELDS, Field, names};
 use clap::{Arg, Args, Command};
 use serde::Serialize;
+use signorini_mathematics::solvers::Solver;
 
 /// Fields of a statement in words.
 #[derive(Debug, Serialize)]
@@ -107,7 +108,13 @@ impl Field {
 
     /// Solvers and domains that have the field, in words; nothing if all have.
     fn goes_with(&self) -> String {
-        let solvers = if self.is_of_solver() { self.takers() } else { String::new() };
+        let [takers, others] = self.takers();
+        let solvers = match () {
+            () if others.is_empty() => String::new(),
+            () if takers == Solver::nested() => "the saddle-point methods".into(),
+            () if others.len() < takers.len() => format!("all but {}", names(&others)),
+            () => names(&takers),
+        };
         let domains = match self.domains {
             Domains::All => "",
             Domains::Square => "the square",

@@ -476,10 +476,11 @@ impl Field {
         !SOLVERS.iter().all(|entry| (self.solvers)(entry.solver))
     }
 
-    /// Names of the solvers that take the field.
-    pub(super) fn takers(&self) -> String {
-        let takers = SOLVERS.iter().filter(|entry| (self.solvers)(entry.solver));
-        takers.map(|entry| entry.name).collect::<Vec<_>>().join(", ")
+    /// Solvers that take the field, and those that do not.
+    pub(super) fn takers(&self) -> [Vec<Solver>; 2] {
+        let (takers, others) =
+            SOLVERS.iter().map(|entry| entry.solver).partition(|&solver| (self.solvers)(solver));
+        [takers, others]
     }
 
     /// Refuses the field with a solver that does not take it.
@@ -487,8 +488,14 @@ impl Field {
         if (self.solvers)(solver) {
             return Ok(());
         }
-        let (takers, field) = (self.takers(), voice.name("solver"));
+        let [takers, _] = self.takers();
+        let (takers, field) = (names(&takers), voice.name("solver"));
         let text = format!("is for {takers}, not for {solver}; leave it out, or change {field}");
         Err(self.refused(voice, &text))
     }
+}
+
+/// Names of solvers, in a sentence.
+pub(super) fn names(solvers: &[Solver]) -> String {
+    solvers.iter().map(Solver::to_string).collect::<Vec<_>>().join(", ")
 }
