@@ -44,6 +44,7 @@ pub fn execute(
         progress,
         interrupt,
         states: plan.tasks().iter().map(|_| State::Waiting).collect(),
+        failed: BTreeMap::new(),
         summary: Summary::default(),
     };
     let stale = walk.judge()?;
@@ -84,6 +85,8 @@ struct Walk<'a> {
     progress: &'a Progress,
     interrupt: &'a Interrupt,
     states: Vec<State>,
+    /// Reasons of the tasks that failed, by their numbers: the order does not depend on threads.
+    failed: BTreeMap<usize, Vec<String>>,
     summary: Summary,
 }
 
@@ -207,9 +210,9 @@ impl<'a> Walk<'a> {
                 }
                 let ended = receive.recv().expect("this end has a sender as well");
                 running -= 1;
-                let failed = self.summary.failed.len();
+                let failed = self.failed.len();
                 for (ran, made) in ended {
-                    let is_other = self.summary.failed.len() > failed && !self.options.keep_going;
+                    let is_other = self.failed.len() > failed && !self.options.keep_going;
                     if is_other && matches!(made, Err(Error::Stage(_))) {
                         // Of a group that failed, as of all tasks, the first reason is told.
                         continue;
@@ -238,7 +241,7 @@ impl<'a> Walk<'a> {
     }
 
     fn stops(&self) -> bool {
-        let failed = !self.summary.failed.is_empty() && !self.options.keep_going;
+        let failed = !self.failed.is_empty() && !self.options.keep_going;
         failed || self.interrupt.is_asked()
     }
 
@@ -303,13 +306,13 @@ impl<'a> Walk<'a> {
             Err(_) => "FAILED",
         };
         self.progress.done(&ran, verdict);
+        let task = self.index(&ran.task);
         match made {
             Ok(manifest) => {
-                let task = self.index(&ran.task);
                 self.states[task] = State::Done(manifest);
                 self.summary.ran.push(ran);
             }
-            Err(Error::Stage(reasons)) => self.summary.failed.extend(reasons),
+            Err(Error::Stage(reasons)) => _ = self.failed.insert(task, reasons),
             Err(other) => return Err(other),
         }
         if self.interrupt.is_asked() {
@@ -328,6 +331,7 @@ impl<'a> Walk<'a> {
 
     /// Completes the summary after all jobs have ended.
     fn finish(mut self) -> Summary {
+        self.summary.failed = std::mem::take(&mut self.failed).into_values().flatten().collect();
         let mut ran: BTreeMap<String, Ran> =
             self.summary.ran.drain(..).map(|ran| (ran.task.clone(), ran)).collect();
         for (k, task) in self.plan.tasks().iter().enumerate() {
