@@ -256,16 +256,16 @@ impl<'a> Walk<'a> {
         let of_first = self.group(&first);
         let mut jobs = vec![first];
         if let Some(Group { most, .. }) = of_first {
-            let others = (0..queue.len()).filter(|&k| self.group(&queue[k]) == of_first);
-            let others: Vec<_> = others.collect();
-            let most = share.clamp(1, *most);
+            let others = queue.iter().filter(|job| self.group(job) == of_first).count();
             // In equal parts.
-            let parts = (1 + others.len()).div_ceil(most);
-            let taken = (1 + others.len()).div_ceil(parts) - 1;
-            for k in others[..taken].iter().rev() {
-                jobs.extend(queue.remove(*k));
+            let parts = (1 + others).div_ceil(share.clamp(1, *most));
+            let part = (1 + others).div_ceil(parts);
+            for job in std::mem::take(queue) {
+                match jobs.len() < part && self.group(&job) == of_first {
+                    true => jobs.push(job),
+                    false => queue.push_back(job),
+                }
             }
-            jobs[1..].reverse();
         }
         jobs
     }
