@@ -52,12 +52,9 @@ impl<const K: usize, L: Copy> Engine<K> for Lanes<K, L> {
                         #[inline(always)]
                         |value, _| {
                             // One comparison, which NaN fails, so that all lanes are compared at once.
-                            above =
-                                V::of(each(
-                                    |l| {
-                                        if value.0[l] <= bounds[l] { above.0[l] } else { 1.0 }
-                                    },
-                                ));
+                            let next =
+                                each(|l| if value.0[l] <= bounds[l] { above.0[l] } else { 1.0 });
+                            above = V::of(next);
                         },
                     );
                     for lane in 0..K {
