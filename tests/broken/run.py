@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Breaks proofs of guaranteed bounds, one place at a time, and lists the changes that no unit test sees.
 
-    python3 tests/broken/run.py LIST.toml [FILTER ...] [--only NUMBER,...] [--list]
+    python3 tests/broken/run.py LIST.toml [FILTER ...] [--only NUMBER,...] [--seconds SECONDS]
 
 Each `[[change]]` of a list names a `file` below src/mathematics/src, a `text` that stands there once, and what stands
 in its place, `by`; a text that stands more than once is looked for in a longer one, `within`. The texts are
