@@ -241,7 +241,7 @@ impl Workplace {
         let mut summary = self.execute(plan, options, progress)?;
         let results = self.results(plan, &summary.manifests);
         let lock_file = results.lock_file();
-        let known = LockFile::read_expecting(root, &lock_file)?;
+        let known = LockFile::read(root)?;
         let rights = Rights { overwrite: options.force, remove: scope != Scope::Part };
         summary.exports = Exports::plan(root, &results, &known.exports, rights)?;
         summary.lock_file = lock_file;

@@ -1,9 +1,8 @@
 //! `pipeline/timings.toml`: times that were measured on one machine and day, with their noise, for the book.
 
 use crate::pipeline::error::{Error, Result, from_record};
-use crate::table::rows::{Row, Rows};
-use serde::{Deserialize, Deserializer, Serialize};
-use serde_json::Value;
+use crate::table::rows::{Row, Rows, number};
+use serde::{Deserialize, Serialize};
 
 /// Path of the record in the project.
 pub const PATH: &str = "pipeline/timings.toml";
@@ -11,7 +10,7 @@ pub const PATH: &str = "pipeline/timings.toml";
 pub const SCHEMA: u8 = 1;
 
 /// Measured times. Every time in `seconds` is a median, whose `spread` is the distance of the quartiles over it. Grids
-/// have so many `cells` per side. The columns of each table are in `TABLES`.
+/// have so many `cells` per side. All rows of a table have the same columns, but for a flag that only some have.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Timings {
@@ -20,7 +19,6 @@ pub struct Timings {
     /// Day on which the times were measured, in words.
     pub date: String,
     /// Bandwidth of the memory in GB/s, one thread that updates in place; a store counts once, as in STREAM.
-    #[serde(deserialize_with = "positive")]
     pub bandwidth: f64,
     /// Machine on which the times were measured.
     pub machine: Machine,
@@ -55,21 +53,8 @@ pub struct Timings {
     pub adapted: Rows,
 }
 
-/// Tables of the record, and their columns, in the order in which they are written.
-pub(crate) const TABLES: [(&str, &str); 6] = [
-    ("multigrid", "cells threads goal work_units traffic seconds spread"),
-    ("solver", "solver problem cells goal error discretisation kkt seconds spread"),
-    ("spectral", "problem unknowns error seconds spread"),
-    ("peer", "solver f cells theirs their_kkt ours our_kkt whole"),
-    ("own_mesh", "mesh nodes solver theirs their_kkt ours our_kkt"),
-    ("adapted", "problem way nodes error seconds"),
-];
-
 /// Goals of multigrid that are timed: the discretisation error, and the rounding floor.
 pub const GOALS: [&str; 2] = ["discretisation", "floor"];
-
-/// Ways to a guaranteed error that are timed.
-const WAYS: [&str; 3] = ["adaptive", "uniform", "spectral"];
 
 /// Machine and its state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -91,71 +76,10 @@ pub struct Machine {
     pub repeats: usize,
 }
 
-/// Reads a positive number.
-fn positive<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<f64, D::Error> {
-    let x = f64::deserialize(deserializer)?;
-    match x > 0.0 && x.is_finite() {
-        true => Ok(x),
-        false => Err(serde::de::Error::custom(format!("{x} is not a positive number"))),
-    }
-}
-
-/// Returns what is wrong with a value in a column of a table.
-fn mistake(table: &str, column: &str, value: &Value) -> Option<String> {
-    let (is_right, wrong) = match (table, column) {
-        ("multigrid", "goal") => (GOALS.iter().any(|goal| value == goal), "unknown variant"),
-        ("adapted", "way") => (WAYS.iter().any(|way| value == way), "unknown variant"),
-        (_, "f" | "goal" | "mesh" | "problem" | "solver") => (value.is_string(), "not a text"),
-        (_, "cells" | "threads" | "nodes" | "unknowns") => (value.is_u64(), "not a natural number"),
-        (_, "kkt" | "spread") => (value.is_number(), "not a number"),
-        (_, "whole") => (value.is_boolean(), "neither true nor false"),
-        _ => (value.as_f64() > Some(0.0), "not a positive number"),
-    };
-    (!is_right).then(|| format!("{column} = {value}: {wrong}"))
-}
-
-/// Returns what is wrong with a row of a table.
-fn mistake_in_row(table: &str, columns: &str, row: &Row) -> Option<String> {
-    for column in columns.split(' ') {
-        match row.get(column) {
-            None if column == "whole" => (),
-            None => return Some(format!("missing field `{column}`")),
-            Some(value) => {
-                if let Some(why) = mistake(table, column, value) {
-                    return Some(why);
-                }
-            }
-        }
-    }
-    let unknown = row.keys().find(|name| !columns.split(' ').any(|column| column == *name))?;
-    Some(format!("unknown field `{unknown}`"))
-}
-
 /// Goal of a run under the stopping rule of the published tables.
 pub const PUBLISHED: &str = "published stop";
 
-/// Number in a column of a row of the record.
-///
-/// # Panics
-/// If there is none.
-pub fn number(row: &Row, column: &str) -> f64 {
-    row[column].as_f64().expect("the columns are checked")
-}
-
-/// Text in a column of a row of the record.
-///
-/// # Panics
-/// If there is none.
-pub fn text<'a>(row: &'a Row, column: &str) -> &'a str {
-    row[column].as_str().expect("the columns are checked")
-}
-
 impl Timings {
-    /// Returns all tables, in the order of [`TABLES`].
-    pub(crate) fn tables(&self) -> [&Rows; 6] {
-        [&self.multigrid, &self.solver, &self.spectral, &self.peer, &self.own_mesh, &self.adapted]
-    }
-
     /// Returns the times with columns that follow from the others: rows of `multigrid` with their `unknowns`, the time
     /// per unknown in nanoseconds, `ns`, and that in which the memory could have moved the bytes, `stream`.
     pub fn extended(&self) -> Self {
@@ -190,15 +114,27 @@ impl Timings {
         }
     }
 
-    /// Returns what is wrong with the tables, and where.
+    /// Returns the first row whose columns are not those of the first of its table, flags aside.
     fn mistake(&self) -> Option<String> {
-        for (rows, (table, columns)) in self.tables().into_iter().zip(TABLES) {
-            for (row, k) in rows.iter().zip(1..) {
-                if let Some(mistake) = mistake_in_row(table, columns, row) {
-                    return Some(format!("[[{table}]] number {k}: {mistake}"));
-                }
+        for (name, rows) in [
+            ("multigrid", &self.multigrid),
+            ("solver", &self.solver),
+            ("spectral", &self.spectral),
+            ("peer", &self.peer),
+            ("own_mesh", &self.own_mesh),
+            ("adapted", &self.adapted),
+        ] {
+            let unlike = |row: &Row| !columns(row).eq(columns(&rows[0]));
+            if let Some(k) = rows.iter().position(unlike) {
+                return Some(format!("[[{name}]] number {}: other columns than the first", k + 1));
             }
         }
         None
     }
+}
+
+/// Iterates over the names of the columns of a row in which there is no flag, each with true if it is that of a number.
+fn columns(row: &Row) -> impl Iterator<Item = (&String, bool)> {
+    let columns = row.iter().filter(|(_, value)| !value.is_boolean());
+    columns.map(|(name, value)| (name, value.is_number()))
 }

@@ -93,24 +93,26 @@ pub(crate) const SCHEMA: u64 = 1;
 /// As [`from_toml`]; of a file with a greater number of format, or with a key that this program does not know, the text
 /// asks whether a newer program has written it.
 pub fn from_record<T: DeserializeOwned>(what: &str, text: impl AsRef<[u8]>) -> Result<T> {
-    let text = text.as_ref();
-    from_toml(what, text).map_err(|error| {
-        let Ok(table) = from_toml::<toml::Table>(what, text) else { return error };
-        match table.get("schema").and_then(toml::Value::as_integer) {
-            Some(found) if found > SCHEMA as i64 => newer(what, &format!("schema {found}")),
-            _ if error.to_string().contains("unknown field") => Error::input(format!(
-                "{error}, which signorini {VERSION} does not know; {BY_A_NEWER_ONE}"
-            )),
-            _ => error,
-        }
+    let table: toml::Table = from_toml(what, &text)?;
+    if let Some(found) = table.get("schema").and_then(toml::Value::as_integer) {
+        refuse_newer(what, found as u64)?;
+    }
+    from_toml(what, text).map_err(|error| match error.to_string().contains("unknown field") {
+        true => Error::input(format!(
+            "{error}, which signorini {VERSION} does not know; {BY_A_NEWER_ONE}"
+        )),
+        false => error,
     })
 }
 
-/// Returns the error for a file that this program writes and that has, in words, what this program does not know.
-pub(crate) fn newer(what: &str, unknown: &str) -> Error {
-    Error::input(format!(
-        "{what} has {unknown} that signorini {VERSION} does not know; {BY_A_NEWER_ONE}"
-    ))
+/// Refuses a file that this program writes with a greater number of format.
+pub(crate) fn refuse_newer(what: &str, schema: u64) -> Result<()> {
+    match schema > SCHEMA {
+        true => Err(Error::input(format!(
+            "{what} has schema {schema} that signorini {VERSION} does not know; {BY_A_NEWER_ONE}"
+        ))),
+        false => Ok(()),
+    }
 }
 
 /// Version of this program.

@@ -3,7 +3,7 @@
 use super::files::{hash_if_there, is_plain, leftovers, read, remove_from};
 use super::place::{INPUTS, is_no_link, own_place, write_own};
 use super::{Hashes, Lock, LockFile, Manifest, Plan, Store, Task, hash};
-use crate::error::{Error, Result, SCHEMA, conflict, newer};
+use crate::error::{Error, Result, SCHEMA, conflict, refuse_newer};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -93,23 +93,15 @@ impl<'a> WalkResults<'a> {
         left.filter_map(|task| Some((task, task.export?)))
     }
 
-    /// Returns the copies that tasks are expected to make which are to run: those of their last run or, without a
-    /// cache, those on record that bear the name of the task.
-    fn expected<'r>(&self, recorded: impl Iterator<Item = &'r String> + Clone) -> Vec<Export<'a>> {
+    /// Returns the copies that tasks are expected to make which are to run: those of their last run.
+    fn expected(&self) -> Vec<Export<'a>> {
         let mut expected = Vec::new();
         for (task, folder) in self.to_run() {
-            let name = task.id.rsplit('/').next().unwrap_or_default();
-            let artifacts: BTreeSet<String> = match self.store.manifests(&task.id).first() {
-                Some(last) => last.outputs.keys().cloned().collect(),
-                None => {
-                    let below = recorded.clone().filter_map(|path| path.strip_prefix(folder));
-                    let below = below.filter_map(|path| path.strip_prefix('/'));
-                    below.filter(|artifact| bears(artifact, name)).map(str::to_owned).collect()
+            if let Some(last) = self.store.manifests(&task.id).first() {
+                for artifact in last.outputs.keys() {
+                    expected.push(Export::new(task, (folder, artifact), None));
                 }
-            };
-            let exports =
-                artifacts.iter().map(|artifact| Export::new(task, (folder, artifact), None));
-            expected.extend(exports);
+            }
         }
         expected
     }
@@ -125,11 +117,6 @@ impl<'a> Export<'a> {
     fn new(task: &'a Task, (folder, artifact): (&str, &str), hash: Option<&'a String>) -> Self {
         Self { task, artifact: artifact.into(), path: format!("{folder}/{artifact}"), hash }
     }
-}
-
-/// True if an artifact, a file or in a folder, bears the name of its task.
-fn bears(artifact: &str, name: &str) -> bool {
-    artifact.strip_prefix(name).is_some_and(|rest| rest.starts_with(['.', '/']))
 }
 
 /// Files to write and to remove so that the project folder has the current artifacts.
@@ -162,7 +149,7 @@ impl Exports {
     ) -> Result<Self> {
         let mut plan = Self { written: Written::read(project)?, ..Self::default() };
         let mut exports = results.exports();
-        exports.extend(results.expected(locked.keys().chain(plan.written.0.keys())));
+        exports.extend(results.expected());
         for (_, folder) in results.to_run() {
             own_place(project, folder)?;
         }
@@ -315,6 +302,7 @@ struct Written(BTreeMap<String, BTreeSet<String>>);
 struct StoredRecord {
     /// Number of the format.
     schema: u64,
+    #[serde(default)]
     files: BTreeMap<String, BTreeSet<String>>,
 }
 
@@ -322,25 +310,15 @@ impl Written {
     /// Path in the project.
     const PATH: &str = "pipeline/.exported.json";
 
-    /// Reads the record; one that is missing or damaged counts as empty. That of an older program has no number of
-    /// format, and is the map alone.
+    /// Reads the record; one that is missing or damaged counts as empty.
     fn read(project: &Path) -> Result<Self> {
         let path = project.join(Self::PATH);
         let text = read(&path).unwrap_or_default();
-        if let Ok(StoredRecord { schema: SCHEMA, files }) = serde_json::from_slice(&text) {
-            return Ok(Self(files));
-        }
-        let record: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
-        match record.get("schema").and_then(serde_json::Value::as_u64) {
-            None => Ok(Self(serde_json::from_value(record).unwrap_or_default())),
-            Some(found) if found > SCHEMA => {
-                Err(newer(&path.display().to_string(), &format!("schema {found}")))
-            }
-            Some(_) => {
-                let stored: Option<StoredRecord> = serde_json::from_value(record).ok();
-                Ok(Self(stored.map(|stored| stored.files).unwrap_or_default()))
-            }
-        }
+        let Ok(StoredRecord { schema, files }) = serde_json::from_slice(&text) else {
+            return Ok(Self::default());
+        };
+        refuse_newer(&path.display().to_string(), schema)?;
+        Ok(Self(files))
     }
 
     fn save(&self, project: &Path) -> Result<()> {
@@ -356,7 +334,7 @@ mod tests {
     use std::fs;
 
     #[test]
-    fn the_record_is_read_back_whoever_wrote_it_unless_it_is_newer() {
+    fn the_record_is_read_back_unless_it_is_newer() {
         let project = tempfile::tempdir().unwrap();
         fs::create_dir(project.path().join("pipeline")).unwrap();
         let file = project.path().join(Written::PATH);
@@ -364,8 +342,6 @@ mod tests {
         assert_eq!(Written::read(project.path()).unwrap(), Written::default());
         record.save(project.path()).unwrap();
         assert_eq!(Written::read(project.path()).unwrap(), record);
-        fs::write(&file, format!("{{\"a.svg\": [\"{}\"]}}", hash(b"a"))).unwrap();
-        assert_eq!(Written::read(project.path()).unwrap(), record, "of an older program");
         fs::write(&file, "{\"a.svg\": [\"").unwrap();
         assert_eq!(Written::read(project.path()).unwrap(), Written::default());
         fs::write(&file, "{\"schema\": 2, \"paths\": {}}").unwrap();

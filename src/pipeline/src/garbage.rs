@@ -48,8 +48,8 @@ impl Store {
     /// plan would find.
     ///
     /// With `dry`, only counts. Removes also the temporary files of killed runs, the locks of tasks, which nobody can
-    /// hold while the caller holds the lock of the cache, and other layouts. Files of other programs stay, whatever
-    /// folder was named as the cache.
+    /// hold while the caller holds the lock of the cache. Files of other programs stay, whatever folder was named as the
+    /// cache.
     ///
     /// # Errors
     /// [`Error::Io`](crate::error::Error::Io), also if a folder or manifests cannot be read, because they
@@ -136,43 +136,31 @@ impl Store {
         Ok(needed)
     }
 
-    /// Returns the files of this layout and of all others: those with places and names that this program gives.
+    /// Returns the files with places and names that this program gives. A link may lead to other files, whatever their
+    /// names.
     fn ours(&self) -> Result<Vec<PathBuf>> {
         let mut ours = Vec::new();
-        let mut layouts = list(&self.cache)?;
-        // A link may lead to other files, whatever their names.
-        layouts.retain(|path| is_layout(name(path)) && !path.is_symlink());
-        for layout in layouts {
-            for path in list(&layout)?.into_iter().filter(|path| !path.is_symlink()) {
-                match name(&path) {
-                    OBJECTS => collect(&path, &mut ours, &|path| {
-                        let two = path.parent().map_or("", name);
-                        is_hash(name(path)) && name(path).starts_with(two)
-                    })?,
-                    TASKS => collect(&path, &mut ours, &|path| {
-                        // In the first layout, a file for each run, by its number.
-                        let number = name(path).strip_suffix(".json").unwrap_or_default();
-                        name(path).ends_with(RUNS)
-                            || number.len() >= 6 && number.bytes().all(|b| b.is_ascii_digit())
-                    })?,
-                    LOCKS => collect(&path, &mut ours, &|path| is_hash(name(path)))?,
-                    STAMPS => collect(&path, &mut ours, &|path| is_stamp(name(path)))?,
-                    other if is_temporary(other) && path.is_dir() => {
-                        collect(&path, &mut ours, &|_| true)?;
-                    }
-                    other if is_temporary(other) => ours.push(path),
-                    _ => {}
+        if self.root.is_symlink() {
+            return Ok(ours);
+        }
+        for path in list(&self.root)?.into_iter().filter(|path| !path.is_symlink()) {
+            match name(&path) {
+                OBJECTS => collect(&path, &mut ours, &|path| {
+                    let two = path.parent().map_or("", name);
+                    is_hash(name(path)) && name(path).starts_with(two)
+                })?,
+                TASKS => collect(&path, &mut ours, &|path| name(path).ends_with(RUNS))?,
+                LOCKS => collect(&path, &mut ours, &|path| is_hash(name(path)))?,
+                STAMPS => collect(&path, &mut ours, &|path| is_stamp(name(path)))?,
+                other if is_temporary(other) && path.is_dir() => {
+                    collect(&path, &mut ours, &|_| true)?;
                 }
+                other if is_temporary(other) => ours.push(path),
+                _ => {}
             }
         }
         Ok(ours)
     }
-}
-
-/// True if a folder has a name like `v2`.
-fn is_layout(name: &str) -> bool {
-    let version = name.strip_prefix('v').unwrap_or_default();
-    !version.is_empty() && version.bytes().all(|b| b.is_ascii_digit())
 }
 
 /// Returns the last part of a path; empty if it is not UTF-8, unlike all names that this program gives.

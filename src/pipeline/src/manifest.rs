@@ -42,26 +42,6 @@ impl Manifest {
         are_safe(&outputs).then(|| Self::new(task, inputs, outputs))
     }
 
-    /// Returns the manifest in a stored line, as [`Manifest::from_line`], if it is of this task with these inputs. They
-    /// are by far the longest part of the line, and compared as they are written.
-    pub(super) fn of_run(
-        task: &str,
-        inputs: &BTreeMap<String, String>,
-        line: &[u8],
-    ) -> Option<Self> {
-        let mut rest = after_text(sealed(line)?.strip_prefix(b"{\"task\":")?, task)?;
-        let mut before: &[u8] = b",\"inputs\":{";
-        for (input, value) in inputs {
-            rest = after_text(rest.strip_prefix(before)?, input)?;
-            rest = after_text(rest.strip_prefix(b":")?, value)?;
-            before = b",";
-        }
-        let stored = rest.strip_prefix(b"},\"outputs\":")?.strip_suffix(b"}")?;
-        let outputs: Hashes = serde_json::from_slice(stored).ok().filter(are_safe)?;
-        let digest = hash(stored);
-        Some(Self { task: task.into(), inputs: inputs.clone(), outputs, digest })
-    }
-
     /// Returns a hash of the whole record, with which an edited record is recognised; it is also the name of the run.
     pub(super) fn seal(&self) -> String {
         hash(self.to_json().as_bytes())
@@ -76,16 +56,6 @@ impl Manifest {
 fn sealed(line: &[u8]) -> Option<&[u8]> {
     let (seal, json) = line.strip_suffix(b"\n")?.split_at_checked(blake3::OUT_LEN * 2 + 1)?;
     (*seal == *format!("{} ", hash(json)).as_bytes()).then_some(json)
-}
-
-/// Returns what follows a text in a line of JSON that begins with it.
-///
-/// A text with a character that is escaped for another reason than these two is not found, and the line is parsed.
-fn after_text<'a>(line: &'a [u8], text: &str) -> Option<&'a [u8]> {
-    if text.contains('"') || text.contains('\\') {
-        return line.strip_prefix(serde_json::to_string(text).ok()?.as_bytes());
-    }
-    line.strip_prefix(b"\"")?.strip_prefix(text.as_bytes())?.strip_prefix(b"\"")
 }
 
 /// True if the artifacts have places inside of the cache and of an export's folder.
@@ -271,28 +241,11 @@ mod tests {
         for end in 0..line.len() {
             assert_eq!(Manifest::from_line(&line.as_bytes()[..end]), None);
         }
-        // Compared as it is written: the same, and only with the same task and inputs.
-        let mut odd = sample();
-        odd.inputs.insert("parameter f".into(), "a\",\"b\":\"c\\".into());
-        let told = [("parameter f", "a"), ("b", "c")].map(|(k, v)| (k.to_owned(), v.to_owned()));
-        let mut alike = sample();
-        alike.inputs.extend(told);
-        for one in [sample(), odd, alike] {
-            let line = one.to_line();
-            for other in [sample(), one.clone()] {
-                let found = Manifest::of_run("solve/a", &other.inputs, line.as_bytes());
-                assert_eq!(found, (other == one).then_some(other));
-            }
-            assert_eq!(Manifest::of_run("solve/b", &one.inputs, line.as_bytes()), None);
-            assert_eq!(Manifest::of_run("solve/a", &one.inputs, &line.as_bytes()[1..]), None);
-        }
         // With a valid seal, but with an artifact that would be written outside the project.
         for name in ["../../thesis.txt", "/tmp/thesis.txt"] {
             let mut forged = sample();
             forged.outputs.insert(name.into(), hash(b"x"));
             assert_eq!(Manifest::from_line(forged.to_line().as_bytes()), None);
-            let line = forged.to_line();
-            assert_eq!(Manifest::of_run("solve/a", &forged.inputs, line.as_bytes()), None);
         }
     }
 }

@@ -146,10 +146,14 @@ impl Store {
         let stored = read_if_there(&self.runs_file(task))
             .map_err(|e| Reason::Unreadable(e.to_string()))?
             .unwrap_or_default();
-        let latest = last_line(&stored).and_then(|line| Manifest::of_run(task, inputs, line));
-        let (manifest, reverted) = match latest {
-            Some(manifest) => (manifest, false),
-            None => earlier(task, inputs, &stored)?,
+        let mut runs = believable(task, &stored);
+        let latest = runs.next().ok_or(Reason::NeverRan)?;
+        let (manifest, reverted) = match latest.inputs == *inputs {
+            true => (latest, false),
+            false => match runs.find(|run| run.inputs == *inputs) {
+                Some(same) => (same, true),
+                None => return Err(Reason::Changed(changes(&latest.inputs, inputs))),
+            },
         };
         // In parallel, like the look-ups of several tasks: one task may have more artifacts than all others.
         let outputs = manifest.outputs.par_iter();
@@ -238,29 +242,4 @@ impl Store {
 pub(super) fn believable(task: &str, stored: &[u8]) -> impl Iterator<Item = Manifest> {
     let lines = stored.split_inclusive(|byte| *byte == b'\n').rev();
     lines.filter_map(Manifest::from_line).filter(move |manifest| manifest.task == task)
-}
-
-/// Returns the last line of a text, with its end.
-fn last_line(text: &[u8]) -> Option<&[u8]> {
-    // Searched in a `str`, whose search is compiled for speed with the standard library.
-    let text = str::from_utf8(text).ok()?;
-    let start = text.strip_suffix('\n')?.rfind('\n').map_or(0, |end| end + 1);
-    Some(&text.as_bytes()[start..])
-}
-
-/// Returns the latest of the stored runs of a task that had these inputs, and whether later ones had others.
-fn earlier(
-    task: &str,
-    inputs: &BTreeMap<String, String>,
-    stored: &[u8],
-) -> std::result::Result<(Manifest, bool), Reason> {
-    let mut runs = believable(task, stored);
-    let latest = runs.next().ok_or(Reason::NeverRan)?;
-    if latest.inputs == *inputs {
-        return Ok((latest, false));
-    }
-    match runs.find(|run| run.inputs == *inputs) {
-        Some(same) => Ok((same, true)),
-        None => Err(Reason::Changed(changes(&latest.inputs, inputs))),
-    }
 }

@@ -1,7 +1,7 @@
 //! Data of the chapter on cost, from recorded times.
 
-use crate::table::rows::{Row, Rows};
-use crate::timing::recorded::{GOALS, Timings, number};
+use crate::table::rows::{Row, Rows, number};
+use crate::timing::recorded::{GOALS, Timings};
 use serde_json::{Value, json};
 use signorini_mathematics::solvers::Solver;
 
@@ -34,7 +34,7 @@ fn rivals(timings: &Timings) -> Result<Rows, String> {
     let whole = timings.peer.wherever("whole", true)?;
     let mut rivals = whole.clone();
     rivals.0.retain(|row| {
-        let alike = |one: &&Row| one["f"] == row["f"] && one["cells"] == row["cells"];
+        let alike = |one: &&Row| ["f", "cells"].iter().all(|name| one.get(*name) == row.get(*name));
         whole.iter().filter(alike).all(|other| number(row, "theirs") <= number(other, "theirs"))
     });
     Ok(rivals)
