@@ -237,13 +237,7 @@ pub fn main() -> ExitCode {
 /// Returns the sentence on what is not solved, if an argument asks for it.
 fn limit(error: &clap::Error) -> Option<String> {
     let option = named(error, ContextKind::InvalidArg)?.split([' ', '=']).next()?;
-    let said = match error.kind() {
-        ErrorKind::UnknownArgument => limits::of_word(option)?,
-        ErrorKind::ValueValidation if ["--friction", "--limit"].contains(&option) => {
-            named(error, ContextKind::InvalidValue)?.contains('=').then(limits::one_law)?
-        }
-        _ => return None,
-    };
+    let said = limits::of_word(option).filter(|_| error.kind() == ErrorKind::UnknownArgument)?;
     Some(format!("{option}: {said}"))
 }
 

@@ -136,7 +136,7 @@ impl SolveArgs {
 
     /// Refuses arguments without a problem.
     fn check_problem(&self) -> Result<()> {
-        let is_there = self.scene.is_some() || self.fields.f.is_some();
+        let is_there = self.scene.is_some() || self.fields.has("f");
         match is_there || self.vary.iter().any(|list| list.name == "f") {
             true => Ok(()),
             false => Err(Error::input("nothing to solve; give the name of a scene, or --f F")),
@@ -182,11 +182,11 @@ impl SolveArgs {
     /// Refuses options about the file that is written where there is none, or that a solver or a domain does not have.
     fn check_file_options(&self, statement: &Statement) -> Result<()> {
         let Statement { solver, domain, .. } = statement;
-        let refine = self.fields.domain.refine.filter(|_| self.save.is_none());
+        let has_refine = self.fields.has("refine") && self.save.is_none();
         let of_the_file = [
             ("--recover", self.recover),
-            ("--h", self.fields.h.is_some() && *solver == Solver::Spectral),
-            ("--refine", refine.is_some() && *solver == Solver::Spectral),
+            ("--h", self.fields.has("h") && *solver == Solver::Spectral),
+            ("--refine", has_refine && *solver == Solver::Spectral),
         ];
         if self.recover && !solver.entry().is_discrete {
             let takers: Vec<_> = Solver::on_grids().iter().map(Solver::to_string).collect();

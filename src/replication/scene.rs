@@ -1,6 +1,7 @@
 //! Scenes: a statement with a title and wanted outputs.
 
 mod check;
+mod keys;
 mod read;
 
 use crate::figures::Print;

@@ -1,7 +1,6 @@
 //! Studies: scenes whose members have other values of some fields, or of names in f.
 
 use crate::replication::columns::{COLUMNS, END, STOP, beside};
-use crate::replication::fields::keys::{AxisName, ChartFields};
 use crate::replication::fields::lists::repeated;
 use crate::replication::fields::member::{Member, Varying, in_words};
 use crate::replication::fields::table::{Field, Reading, Refused, field};
@@ -33,6 +32,28 @@ pub(crate) struct Axes {
     pub(crate) columns: [String; 2],
     /// True for a logarithmic axis.
     pub(crate) log: [bool; 2],
+}
+
+/// Axes of a chart as a scene gives them.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[serde(expecting = "a table such as { x = \"friction\", y = \"force\", log = [\"x\"] }")]
+pub(crate) struct ChartFields {
+    /// Column across; none for the first that is varied.
+    pub(crate) x: Option<String>,
+    /// Column up; none for the energy.
+    pub(crate) y: Option<String>,
+    /// Axes that are logarithmic.
+    #[serde(default)]
+    pub(crate) log: Vec<AxisName>,
+}
+
+/// Name of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum AxisName {
+    X,
+    Y,
 }
 
 /// Columns of a table in Markdown and LaTeX behind those of what is varied: as many as a page has room for.
@@ -72,13 +93,13 @@ impl Study {
         lists
     }
 
-    /// Returns the axes that are given, or the usual ones: where fineness alone varies, the error against the nodes.
+    /// Returns the axes that are given, or the usual ones: where the fineness varies, the error against the nodes.
     ///
     /// # Errors
     /// [`Refused`] if there is no such column of numbers.
     pub(crate) fn axes(&self, given: Option<&ChartFields>) -> Reading<Axes> {
-        let mut fields = self.names.iter().map(|name| field(name));
-        if given.is_none() && fields.all(|field| field.is_some_and(Field::is_about_fineness)) {
+        let mut fields = self.names.iter().filter_map(|name| field(name));
+        if given.is_none() && fields.any(Field::is_about_fineness) {
             let columns = ["nodes", "error_relative"].map(str::to_owned);
             return Ok(Axes { columns, log: [true; 2] });
         }
@@ -249,7 +270,7 @@ impl Study {
                 lines.push(format!("{what}{with}{first}{more}: {sentence}"));
             }
             if remarks.len() > most {
-                lines.push(format!("{what} for {} more reasons", remarks.len() - most));
+                lines.push(format!("{what}, further reasons: {}", remarks.len() - most));
             }
         }
         lines

@@ -11,12 +11,12 @@ use std::fs;
 
 /// What options are called in a scene.
 const AS_KEYS: [(&str, &str); 9] = [
-    ("--load exact --solver multigrid", "load = { rule = \"exact\" }, solver = \"multigrid\""),
-    ("--load exact", "load = { rule = \"exact\" }"),
-    ("--load bilinear", "load = { rule = \"bilinear\" }"),
+    ("--load exact --solver multigrid", "load = \"exact\", solver = \"multigrid\""),
+    ("--load exact", "load = \"exact\""),
+    ("--load bilinear", "load = \"bilinear\""),
     ("--solver multigrid", "solver = \"multigrid\""),
     ("--solver active-set", "solver = \"active-set\""),
-    ("--stop printed-dual", "stop = [\"printed-dual\"]"),
+    ("--stop printed-dual", "stop = \"printed-dual\""),
     ("--max-iterations", "`max_iterations`"),
     ("--tolerance 1e-17", "tolerance = 1e-17"),
     ("--h", "`h`"),
@@ -140,8 +140,7 @@ impl Stated {
                 "domain" => domain = format!("name = \"{value}\"{domain}"),
                 "refine" => domain += &format!(", refine = {value}"),
                 "fixed" => domain += &format!(", fixed = [\"{value}\"]"),
-                "h" | "solver" => text += &format!("{name} = \"{value}\"\n"),
-                "load" => text += &format!("load = {{ rule = \"{value}\" }}\n"),
+                "h" | "load" | "solver" => text += &format!("{name} = \"{value}\"\n"),
                 "friction" | "limit" => text += &format!("law = {{ {name} = {value} }}\n"),
                 _ => text += &format!("{name} = {value}\n"),
             }

@@ -159,7 +159,7 @@ impl Request {
 pub(super) fn statement(fields: &Fields, scene: Option<&Scene>) -> Reading<Statement> {
     match scene {
         Some(scene) => fields.over(scene.statement.clone(), Voice::OverScene),
-        None => fields.over(fields.usual(Voice::Options)?, Voice::Options),
+        None => fields.stated(Voice::Options),
     }
 }
 

@@ -39,9 +39,9 @@ pub(super) fn study<'a>(name: &'a str, args: &SolveArgs, study: &Study) -> Resul
         member.statement = place.stated(&member.statement, false)?;
     }
     let mut first = study.members[0].statement.clone();
-    let title = args.fields.f.clone().unwrap_or_else(|| "Study of f".into());
-    if let Some(f) = &args.fields.f {
-        first.f.clone_from(f);
+    let title = args.fields.text("f").unwrap_or("Study of f");
+    if let Some(f) = args.fields.text("f") {
+        f.clone_into(&mut first.f);
     }
     let mut lists = study.lists();
     // Of f, the members have numbers in place of its names.
@@ -49,7 +49,7 @@ pub(super) fn study<'a>(name: &'a str, args: &SolveArgs, study: &Study) -> Resul
         let given = args.vary.iter().filter(|list| list.name == "f").flat_map(|list| &list.values);
         *values = given.map(|value| Varying::Text(text(value))).collect();
     }
-    let text = write::study(&title, &first, &lists);
+    let text = write::study(title, &first, &lists);
     place.with(text, &study.members)
 }
 

@@ -13,7 +13,7 @@ use crate::pipeline::{InputFile, InputFiles, bar};
 use crate::replication::fields::member::Member;
 use crate::replication::fields::read::overridden;
 use crate::replication::fields::table::Voice;
-use crate::replication::fields::vary::Vary;
+use crate::replication::fields::vary::{VARY, Vary};
 use crate::replication::mesh_files::path_of;
 use crate::replication::numbers::Numbers;
 use crate::replication::scene::Scene;
@@ -76,8 +76,8 @@ impl<'a> Asked<'a> {
         let mut asked = Self { title: String::new(), scene_name, study, files, voice, saved: None };
         asked.check(args, scene)?;
         asked.title = match scene {
-            Some(scene) => asked.over_scene(scene, args.fields.f.as_deref()),
-            None => asked.in_common(args.fields.f.as_deref()),
+            Some(scene) => asked.over_scene(scene, args.fields.text("f")),
+            None => asked.in_common(args.fields.text("f")),
         };
         if let Some(name) = &args.save {
             asked.saved = Some(save::study(name, args, &asked.study)?);
@@ -168,8 +168,7 @@ fn over(study: &Study, args: &SolveArgs) -> Result<Study> {
 /// Returns the study of what `--vary` names.
 fn varied(args: &SolveArgs, scene: Option<&Scene>) -> Result<Study> {
     let voice = if scene.is_some() { Voice::OverScene } else { Voice::Options };
-    let vary = Vary::of_options(&args.vary);
-    let vary = vary.map_err(|reason| Error::input(format!("--vary: {reason}")))?;
+    let vary = Vary::of(std::slice::from_ref(&args.vary), VARY).map_err(Error::input)?;
     let members = vary.members(&args.fields, voice, |fields| statement(fields, scene))?;
     Ok(Study::of(&vary.names, members))
 }

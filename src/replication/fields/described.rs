@@ -1,8 +1,6 @@
 //! The table of fields in words, for pages.
 
-use super::Fields;
 use super::table::{Domains, FIELDS, Field, names};
-use clap::{Arg, Args, Command};
 use serde::Serialize;
 use signorini_mathematics::solvers::Solver;
 
@@ -47,9 +45,6 @@ const OF_SCENE: &str = "the scene's, or ";
 
 /// Returns all fields in words.
 pub(crate) fn described() -> DescribedFields {
-    let command = Fields::augment_args(Command::new("solve"));
-    let options = command.get_arguments();
-    let options: Vec<&Arg> = options.filter(|option| option.get_long().is_some()).collect();
     let mut exclusive: Vec<ExclusiveFields> = Vec::new();
     for field in &FIELDS {
         for says in field.says {
@@ -61,45 +56,38 @@ pub(crate) fn described() -> DescribedFields {
             }
         }
     }
-    let all = FIELDS.iter().map(|field| field.described(&options)).collect();
+    let all = FIELDS.iter().map(Field::described).collect();
     DescribedFields { all, exclusive }
 }
 
 impl Field {
-    /// Describes the field, by its option among these.
-    fn described(&self, options: &[&Arg]) -> DescribedField {
-        let name = self.option();
-        let is_own = |option: &&&Arg| option.get_long() == name.strip_prefix("--");
-        let option = options.iter().find(is_own).expect("each field is an option");
-        let help = option.get_help().map(ToString::to_string).unwrap_or_default();
-        let (meaning, default) = match help.split_once(DEFAULT) {
+    /// Describes the field.
+    fn described(&self) -> DescribedField {
+        let (meaning, default) = match self.help.split_once(DEFAULT) {
             Some((meaning, default)) => (meaning.trim_end(), Some(default.trim_end_matches(']'))),
-            None => (help.as_str(), None),
+            None => (self.help, None),
         };
         let in_words = default.map(|text| text.strip_prefix(OF_SCENE).unwrap_or(text).to_owned());
-        let usual = self.usual(true).filter(|value| value.as_str() != Some(""));
-        let default = match (self.name, usual) {
-            ("f", _) => "must be given".into(),
-            (_, Some(value)) => format!("`{value}`"),
-            (_, None) => in_words.unwrap_or_else(|| "none".into()),
+        let usual = self.usual(true);
+        let default = match self.name {
+            "f" => "must be given".into(),
+            _ if !usual.is_empty() => format!("`{}`", self.toml(&usual)),
+            _ => in_words.unwrap_or_else(|| "none".into()),
         };
         let mut more = String::new();
-        if !option.is_hide_possible_values_set() {
-            let all = option.get_possible_values();
-            let names: Vec<_> = all.iter().map(|value| format!("`{}`", value.get_name())).collect();
-            if !names.is_empty() {
-                more += &format!(": {}", names.join(", "));
-            }
+        if self.lists_values() {
+            let names = (self.suggested)();
+            let names: Vec<_> = names.iter().map(|of| format!("`{}`", of.get_name())).collect();
+            more += &format!(": {}", names.join(", "));
         }
         let goes_with = self.goes_with();
         if !goes_with.is_empty() {
             more += &format!(". *For* {goes_with}");
         }
-        let value_name = option.get_value_names().unwrap_or_default().join(" ");
         DescribedField {
             key: self.key(),
             // A stroke would end the cell of a table.
-            option: format!("{name} {value_name}").replace('|', "\\|"),
+            option: format!("{} {}", self.option(), self.value_name).replace('|', "\\|"),
             meaning: meaning.to_owned(),
             more,
             default,

@@ -1,13 +1,15 @@
 //! Lists of values that are varied, as options and scenes have them.
 
-use super::PARTS;
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::fmt;
 use toml::{Spanned, Value};
 
 /// Example of the key, for errors.
-pub(super) const EXAMPLE: &str = "vary = { friction = [0.2, 0.4], refine = [2, 3] }";
+pub(crate) const EXAMPLE: &str = "vary = { friction = [0.2, 0.4], refine = [2, 3] }";
+
+/// Fields about parts of the boundary, by their names.
+const PARTS: [&str; 2] = ["free", "fixed"];
 
 /// Most members of a study.
 pub(super) const MOST_MEMBERS: usize = 10_000;
@@ -100,15 +102,8 @@ fn range(text: &str) -> Result<Option<Vec<Value>>, String> {
     Ok(Some(numbers.map(Value::Float).collect()))
 }
 
-/// Reads products as a scene has them: a table of lists, or several such tables.
-pub(super) fn products<'de, D: Deserializer<'de>>(
-    deserializer: D,
-) -> Result<Vec<Vec<Varied>>, D::Error> {
-    deserializer.deserialize_any(ProductsVisitor).map(|Products(products)| products)
-}
-
-/// Products of lists.
-struct Products(Vec<Vec<Varied>>);
+/// Products of lists as a scene has them: a table of lists, or several such tables.
+pub(crate) struct Products(pub(crate) Vec<Vec<Varied>>);
 
 struct ProductsVisitor;
 
@@ -145,7 +140,7 @@ impl<'de> Visitor<'de> for ProductsVisitor {
 
 impl<'de> Deserialize<'de> for Products {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_map(ProductsVisitor)
+        deserializer.deserialize_any(ProductsVisitor)
     }
 }
 

@@ -4,7 +4,7 @@
 //! another value than its own.
 
 use super::Fields;
-use super::table::{FIELDS, Field, Reading, Refused, Voice, field};
+use super::table::{FIELDS, Field, Reading, Refused, Voice, field, toml};
 use crate::pipeline::names::composed;
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
@@ -73,11 +73,11 @@ impl Member {
     pub(crate) fn over(&self, names: &[String], options: &Fields) -> Reading<Self> {
         let statement = options.over(self.statement.clone(), Voice::OverScene)?;
         let member = Self { statement, ..self.clone() };
-        if let Some(name) = self.numbers.keys().next().filter(|_| options.f.is_some()) {
+        if let Some(name) = self.numbers.keys().next().filter(|_| options.has("f")) {
             return Err(does_not_go("f", name));
         }
         for varied in names.iter().filter_map(|name| field(name)) {
-            let mut given = FIELDS.iter().filter(|option| (option.given)(options));
+            let mut given = FIELDS.iter().filter(|option| options.has(option.name));
             let says_it =
                 |option: &&Field| option.name == varied.name || option.says_as(varied).is_some();
             let option = match given.clone().find(says_it) {
@@ -92,7 +92,7 @@ impl Member {
 }
 
 /// Refusal of an option beside a scene that varies this.
-fn does_not_go(option: &'static str, varied: &str) -> Refused {
+fn does_not_go(option: &str, varied: &str) -> Refused {
     let text = format!(
         "{} does not go with a scene that varies {varied}; leave it out, or change the scene",
         Voice::OverScene.name(option)
@@ -103,27 +103,27 @@ fn does_not_go(option: &'static str, varied: &str) -> Refused {
 impl Field {
     /// Value that varies, in the statement of a member; none if it has none.
     pub(crate) fn varying(&self, statement: &Statement) -> Option<Varying> {
+        let value = self.value_in(statement);
         match (self.name, &statement.fineness) {
             ("h", Fineness::Width(_) | Fineness::Grids(_)) => {
-                return statement.fineness.cells().last().copied().map(Varying::Width);
+                statement.fineness.cells().last().copied().map(Varying::Width)
             }
-            ("free", _) => return Some(Varying::Parts(statement.domain.free.clone())),
-            ("fixed", _) => return Some(Varying::Parts(statement.domain.fixed.clone())),
-            _ => {}
+            ("free" | "fixed", _) => Some(Varying::Parts(value.unwrap_or_default())),
+            _ => Some(Varying::of(value?.join(" "))),
         }
-        Some(match self.value_in(statement)? {
-            Value::Float(number) => Varying::Number(number),
-            Value::Integer(number) => Varying::Number(number as f64),
-            // Of r, one is solved with.
-            Value::Array(values) if self.name == "r" => {
-                Varying::Number(values.first()?.as_float()?)
-            }
-            value => Varying::Text(self.options(&value).join(" ")),
-        })
     }
 }
 
 impl Varying {
+    /// Value that this text says.
+    fn of(text: String) -> Self {
+        match toml(&text) {
+            Value::Float(number) => Self::Number(number),
+            Value::Integer(number) => Self::Number(number as f64),
+            _ => Self::Text(text),
+        }
+    }
+
     /// Number on an axis; none of a text. A width is itself, whatever it is written as.
     pub(crate) fn number(&self) -> Option<f64> {
         match self {
@@ -146,11 +146,9 @@ impl Varying {
 
     /// Value in the key `vary` of a scene.
     pub(super) fn toml(&self) -> Value {
-        let text = self.to_string();
         match self {
-            Self::Number(number) => text.parse().map_or(Value::Float(*number), Value::Integer),
-            Self::Width(_) | Self::Text(_) => text.into(),
             Self::Parts(parts) => parts.clone().into(),
+            other => toml(&other.to_string()),
         }
     }
 

@@ -1,14 +1,21 @@
 //! The table of fields: names, values, and which solvers, domains and other fields they go with.
 
-use super::Fields;
+use super::{Fields, PAPERS};
 use crate::pipeline::error::Error;
+use crate::replication::limits;
+use clap::builder::PossibleValue;
 use serde::Deserialize;
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::discrete::load::LoadRule;
+use signorini_mathematics::discrete::transfer::Prolongation;
+use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::problem::text::Written;
+use signorini_mathematics::saddle::StopRule;
 use signorini_mathematics::solvers::{SOLVERS, SaddleSettings, Solver};
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
+use std::collections::BTreeMap;
+use std::str::FromStr;
 use toml::Value;
 
 /// Field of a statement.
@@ -17,6 +24,19 @@ pub(crate) struct Field {
     pub(crate) name: &'static str,
     /// Table of a scene in which the key stands; none at the top.
     pub(crate) table: Option<&'static str>,
+    /// Help of the option, and what the manual page has besides.
+    pub(super) help: &'static str,
+    pub(super) more: &'static str,
+    /// Name of the value of the option in its help.
+    pub(super) value_name: &'static str,
+    /// Heading in the help.
+    pub(super) heading: Option<&'static str>,
+    /// True if the short help leaves the option out.
+    pub(super) is_rare: bool,
+    /// True if the option may be given several times.
+    pub(super) is_list: bool,
+    /// Values that shells suggest.
+    pub(super) suggested: fn() -> Vec<PossibleValue>,
     /// Solvers that take it.
     solvers: fn(Solver) -> bool,
     /// Domains that have it.
@@ -25,10 +45,10 @@ pub(crate) struct Field {
     pub(super) is_of_problem: bool,
     /// Facts that it says, in words: of all fields that say the same, one is given.
     pub(super) says: &'static [&'static str],
-    /// True if it is among the fields.
-    pub(super) given: fn(&Fields) -> bool,
-    /// Value in a statement on a domain that has the field; none where it has none.
-    value: fn(&Statement) -> Option<Value>,
+    /// Value in a statement on a domain that has the field, in texts as options have it; none where it has none.
+    texts: fn(&Statement) -> Vec<String>,
+    /// Statement with the value that texts say; the reason if they say none.
+    pub(super) set: fn(Statement, &[String]) -> Result<Statement, String>,
 }
 
 /// Domains that have a field.
@@ -78,196 +98,405 @@ const GOAL: &str = "where the solver stops";
 const ANY: Field = Field {
     name: "",
     table: None,
+    help: "",
+    more: "",
+    value_name: "",
+    heading: None,
+    is_rare: false,
+    is_list: false,
+    suggested: Vec::new,
     solvers: |_| true,
     domains: Domains::All,
     is_of_problem: false,
     says: &[],
-    given: |_| false,
-    value: |_| None,
+    texts: |_| Vec::new(),
+    set: |of, _| Ok(of),
 };
 
 /// Fields, in the order in which they are written.
-pub(crate) const FIELDS: [Field; 19] = [
+pub(crate) static FIELDS: [Field; 19] = [
     Field {
         name: "f",
+        help: "The right-hand side, as 'disc(0,0,0.2)=4; else=-1'",
+        more: "'formula(3*x*y - 1.1)' is another.",
+        value_name: "F",
         is_of_problem: true,
-        given: |of| of.f.is_some(),
-        value: |of| Some(of.f.clone().into()),
+        texts: |of| vec![of.f.clone()],
+        set: |of, given| Ok(Statement { f: given.concat(), ..of }),
         ..ANY
     },
     Field {
         name: "domain",
-        given: |of| of.domain.name.is_some(),
-        value: |of| Some(of.domain.name.clone().into()),
+        help: "Domain: square, cube, disc, lshape, annulus, ball, or a Gmsh file [default: square]",
+        more: "A file, of formats 2.0 to 4.1, holds triangles or tetrahedra; physical groups name regions, for \
+            `region(name)=value` in --f, in quotes if the name has = or ;, and parts of the boundary. In space f is \
+            made of box(x0,x1,y0,y1,z0,z1), ball(x,y,z,radius) and halfspace(a,b,c,d).",
+        value_name: "NAME|FILE",
+        suggested: || AnyMesh::built_in_names().into_iter().map(PossibleValue::new).collect(),
+        texts: |of| vec![of.domain.name.clone()],
+        set: |of, given| {
+            let domain = Domain { name: given.concat(), ..of.domain };
+            let load = of.load.or(Some(Statement::LOAD)).filter(|_| domain.is_square());
+            Ok(Statement { domain, load, ..of })
+        },
         ..ANY
     },
     Field {
         name: "free",
-        given: |of| !of.domain.free.is_empty(),
-        value: |of| texts(&of.domain.free),
+        help: "Part of the boundary where dv/dn = 0; others are in contact",
+        texts: |of| of.domain.free.clone(),
+        set: |of, given| on_domain(of, |domain| Domain { free: given.to_vec(), ..domain }),
         ..PART
     },
     Field {
         name: "fixed",
-        given: |of| !of.domain.fixed.is_empty(),
-        value: |of| texts(&of.domain.fixed),
+        help: "Part of the boundary where v = 0",
+        texts: |of| of.domain.fixed.clone(),
+        set: |of, given| on_domain(of, |domain| Domain { fixed: given.to_vec(), ..domain }),
         ..PART
     },
     Field {
         name: "curve",
-        given: |of| !of.domain.curve.is_empty(),
-        value: |of| curves(&of.domain),
+        help: "Circle, sphere or cylinder of a part, as hole=0,0,0.3",
+        more: "Refinement puts new nodes there. A circle is x,y,radius; a sphere x,y,z,radius; a cylinder a point, a \
+            direction and a radius.",
+        value_name: "PART=NUMBERS",
+        texts: |of| of.domain.curve.iter().map(curve_in_words).collect(),
+        set: |of, given| {
+            let curve = curves(given)?;
+            on_domain(of, |domain| Domain { curve, ..domain })
+        },
         ..PART
     },
     Field {
         name: "friction",
-        given: |of| of.law.friction.is_some(),
-        value: |of| match of.law {
-            Some(LawParameter::Friction(g)) => Some(g.into()),
-            _ => None,
-        },
+        help: "Law: |dv/dn| is at most G, and v is 0 where it is less",
+        value_name: "G",
+        texts: |of| law_in_words(of, LawParameter::Friction),
+        set: |of, given| Ok(Statement { law: Some(LawParameter::Friction(law(given)?)), ..of }),
         ..OF_LAW
     },
     Field {
         name: "limit",
-        given: |of| of.law.limit.is_some(),
-        value: |of| match of.law {
-            Some(LawParameter::Limit(limit)) => Some(limit.into()),
-            _ => None,
-        },
+        help: "Law: dv/dn between 0 and LIMIT, and v < 0 where it is LIMIT",
+        value_name: "LIMIT",
+        is_rare: true,
+        texts: |of| law_in_words(of, LawParameter::Limit),
+        set: |of, given| Ok(Statement { law: Some(LawParameter::Limit(law(given)?)), ..of }),
         ..OF_LAW
     },
     Field {
         name: "solver",
-        given: |of| of.solver.is_some(),
-        value: |of| Some(of.solver.to_string().into()),
+        help: "Solver [default: the scene's, or multigrid]",
+        more: "With --r, --stop or --max-iterations the default is arrow-hurwicz, unless the scene's takes them.",
+        value_name: "SOLVER",
+        suggested: || SOLVERS.map(|of| PossibleValue::new(of.name).help(of.description)).to_vec(),
+        texts: |of| vec![of.solver.to_string()],
+        set: |of, given| {
+            Ok(Statement { solver: named(given, Solver::named, &SOLVERS.map(|of| of.name))?, ..of })
+        },
         ..ANY
     },
     Field {
         name: "accuracy",
-        given: |of| of.accuracy.is_some(),
-        value: |of| match of.fineness {
-            Fineness::Within(Accuracy::Error(wanted)) => Some(wanted.into()),
-            _ => None,
+        help: "Refine to this guaranteed relative error in the energy norm",
+        more: "A grid is refined everywhere, a mesh in the plane where its error is large.",
+        texts: |of| fineness_in_words(of, "accuracy"),
+        set: |of, given| {
+            Ok(within(
+                of,
+                Accuracy::Error(share(given, "1e-3 for an error of 0.1 % in the energy norm")?),
+            ))
         },
         ..ACCURACY
     },
     Field {
         name: "accuracy_energy",
-        given: |of| of.accuracy_energy.is_some(),
-        value: |of| match of.fineness {
-            Fineness::Within(Accuracy::Energy(wanted)) => Some(wanted.into()),
-            _ => None,
+        help: "Refine to this guaranteed relative error of the energy",
+        is_rare: true,
+        texts: |of| fineness_in_words(of, "accuracy_energy"),
+        set: |of, given| {
+            Ok(within(of, Accuracy::Energy(share(given, "1e-6 for six digits of the energy")?)))
         },
         ..ACCURACY
     },
     Field {
         name: "grids",
+        help: "Cells per side of the grids, as 4,8,16 [default: the scene's, or all of h]",
+        more: "The grids of the square are nested, the coarsest first.",
+        value_name: "N,..",
+        heading: Some(PAPERS),
+        is_rare: true,
         domains: Domains::Square,
-        given: |of| of.grids.is_some(),
-        value: |of| match &of.fineness {
-            Fineness::Grids(cells) => {
-                Some(Value::Array(cells.iter().map(|&n| Value::Integer(n as i64)).collect()))
-            }
-            _ => None,
-        },
+        texts: |of| fineness_in_words(of, "grids"),
+        set: |of, given| Ok(Statement { fineness: Fineness::Grids(grids(given)?), ..of }),
         ..FINENESS
     },
     Field {
         name: "h",
+        help: "Width of the finest grid, as 1/256 [default: the scene's, or 1/64; on the cube 1/16]",
+        more: "0.00390625, and 256 cells per side, are the same width. On a mesh --refine takes its place.",
+        value_name: "1/N",
         domains: Domains::SquareAndCube,
-        given: |of| of.h.is_some(),
-        value: |of| match of.fineness {
-            Fineness::Width(cells) => Some(format!("1/{cells}").into()),
-            _ => None,
+        texts: |of| fineness_in_words(of, "h"),
+        set: |of, given| {
+            let finest = cells(&given.concat());
+            let finest = finest.ok_or("write the width as 1/N, such as 1/256, or as N")?;
+            let fineness = match &of.fineness {
+                Fineness::Grids(_) => of.fineness.with_finest(finest),
+                _ => Fineness::Width(finest),
+            };
+            Ok(Statement { fineness, ..of })
         },
         ..FINENESS
     },
     Field {
         name: "refine",
         table: Some("domain"),
+        help: "Refinements of the mesh [default: up to 20 000 nodes]",
+        value_name: "K",
         domains: Domains::Meshes,
-        given: |of| of.domain.refine.is_some(),
-        value: |of| match of.fineness {
-            Fineness::Refined(times) => Some(i64::from(times).into()),
-            _ => None,
+        texts: |of| fineness_in_words(of, "refine"),
+        set: |of, given| {
+            let times = read(given).filter(|times| *times <= MOST_REFINEMENTS);
+            let times = times.ok_or("write a whole number from 0 to 20")?;
+            Ok(Statement { fineness: Fineness::Refined(times), ..of })
         },
         ..FINENESS
     },
     Field {
         name: "load",
+        help: "Quadrature of the load [default: the scene's, or bilinear]",
+        more: "With an accuracy it is bilinear.",
+        value_name: "LOAD",
+        heading: Some(PAPERS),
+        is_rare: true,
+        suggested: || {
+            LoadRule::ALL.map(|of| PossibleValue::new(of.name()).help(of.description())).to_vec()
+        },
         solvers: |solver| solver != Solver::Spectral,
         domains: Domains::Square,
-        given: |of| of.load.is_some(),
-        value: |of| Some(Value::try_from(of.load?).expect("a rule is a table")),
+        texts: |of| of.load.iter().map(LoadRule::to_string).collect(),
+        set: |of, given| Ok(Statement { load: Some(given.concat().parse()?), ..of }),
         ..ANY
     },
     Field {
         name: "r",
-        given: |of| of.r.is_some(),
-        value: |of| Some(vec![of.saddle?.r].into()),
+        help: "Duality parameter [default: the scene's, or 10]",
+        value_name: "R",
+        texts: |of| of.saddle.iter().map(|of| Written(of.r).to_string()).collect(),
+        set: |of, given| {
+            // The name of a task shows it without an exponent.
+            let r = read(given).filter(|Written(r)| (1e-12..=1e12).contains(r));
+            let Written(r) = r.ok_or(
+                "must be a positive number from 1e-12 to 1e12; the paper takes 0.5 to 1e6",
+            )?;
+            Ok(by_saddle(of, |saddle| SaddleSettings { r, ..saddle }))
+        },
         ..OF_SADDLE
     },
     Field {
         name: "stop",
+        help: "Stopping rule: signed (of the tables), printed, signed-dual, printed-dual [default: the scene's, or \
+            printed]",
+        value_name: "RULE",
+        is_rare: true,
+        suggested: || StopRule::ALL.map(|rule| PossibleValue::new(rule.name())).to_vec(),
         says: &[GOAL],
-        given: |of| of.stop.is_some(),
-        value: |of| {
+        texts: |of| {
             let saddle = of.saddle.filter(|_| of.tolerance.is_none());
-            Some(vec![saddle?.stop.name()].into())
+            saddle.iter().map(|of| of.stop.to_string()).collect()
+        },
+        set: |of, given| {
+            let stop = named(given, StopRule::named, &StopRule::ALL.map(StopRule::name))?;
+            let of = Statement { tolerance: None, ..of };
+            Ok(by_saddle(of, |saddle| SaddleSettings { stop, ..saddle }))
         },
         ..OF_SADDLE
     },
     Field {
         name: "max_iterations",
-        given: |of| of.max_iterations.is_some(),
-        value: |of| Some((of.saddle?.max_iterations as i64).into()),
+        help: "Most iterations per grid, of Uzawa's method sweeps [default: the scene's, or 1000000]",
+        value_name: "N",
+        is_rare: true,
+        texts: |of| of.saddle.iter().map(|of| of.max_iterations.to_string()).collect(),
+        set: |of, given| {
+            let most = read(given).filter(|most| *most > 0);
+            let max_iterations = most.ok_or("must be a whole number, at least 1")?;
+            Ok(by_saddle(of, |saddle| SaddleSettings { max_iterations, ..saddle }))
+        },
         ..OF_SADDLE
     },
     Field {
         name: "prolongation",
+        help: "Value at the centre of a coarse cell on the next grid [default: the scene's, or bilinear]",
+        value_name: "RULE",
+        is_rare: true,
+        suggested: || Prolongation::ALL.map(|rule| PossibleValue::new(rule.name())).to_vec(),
         domains: Domains::Square,
-        given: |of| of.prolongation.is_some(),
-        value: |of| Some(of.saddle?.prolongation.name().into()),
+        texts: |of| of.saddle.iter().map(|of| of.prolongation.name().to_owned()).collect(),
+        set: |of, given| {
+            let all = Prolongation::ALL.map(Prolongation::name);
+            let prolongation = named(given, Prolongation::named, &all)?;
+            Ok(by_saddle(of, |saddle| SaddleSettings { prolongation, ..saddle }))
+        },
         ..OF_SADDLE
     },
     Field {
         name: "tolerance",
+        help: "KKT residual where the solver stops [default: rounding floor, or --stop]",
+        more: "It is relative to the largest load.",
+        value_name: "RESIDUAL",
+        is_rare: true,
         solvers: |solver| solver == Solver::Multigrid || solver.is_nested(),
         says: &[GOAL],
-        given: |of| of.tolerance.is_some(),
-        value: |of| of.tolerance.map(Value::from),
+        texts: |of| of.tolerance.map(|of| Written(of).to_string()).into_iter().collect(),
+        set: |of, given| {
+            // The accuracy of a scene says otherwise where the solver stops.
+            let fineness = without_accuracy(of.fineness);
+            Ok(Statement { tolerance: Some(positive(given, "1e-8")?), fineness, ..of })
+        },
         ..ANY
     },
 ];
 
+/// Most refinements of a mesh.
+const MOST_REFINEMENTS: u8 = 20;
+
 /// Field about parts of the boundary of a mesh.
-const PART: Field =
-    Field { table: Some("domain"), domains: Domains::Meshes, is_of_problem: true, ..ANY };
+const PART: Field = Field {
+    table: Some("domain"),
+    value_name: "PART",
+    is_rare: true,
+    is_list: true,
+    domains: Domains::Meshes,
+    is_of_problem: true,
+    ..ANY
+};
 /// Field of the law.
 const OF_LAW: Field = Field { table: Some("law"), says: &[LAW], is_of_problem: true, ..ANY };
 /// Field that says how fine grids or meshes are.
 const FINENESS: Field = Field { says: &[HOW_FINE], ..ANY };
 /// Field that asks for an accuracy.
 const ACCURACY: Field = Field {
+    value_name: "REL",
     solvers: |solver| solver == Solver::Multigrid,
     domains: Domains::Plane,
     says: &[HOW_FINE, GOAL],
     ..ANY
 };
 /// Field of the saddle-point methods.
-const OF_SADDLE: Field = Field { solvers: Solver::is_nested, ..ANY };
+const OF_SADDLE: Field = Field { heading: Some(PAPERS), solvers: Solver::is_nested, ..ANY };
 
-/// Texts, if there are any.
-fn texts(texts: &[String]) -> Option<Value> {
-    (!texts.is_empty()).then(|| texts.to_vec().into())
+/// The statement on another domain.
+#[expect(clippy::unnecessary_wraps, reason = "fields are given by functions that may fail")]
+fn on_domain(of: Statement, other: impl FnOnce(Domain) -> Domain) -> Result<Statement, String> {
+    Ok(Statement { domain: other(of.domain), ..of })
 }
 
-/// Curves of parts, as a table.
-fn curves(domain: &Domain) -> Option<Value> {
-    let table = domain.curve.iter();
-    let table = table.map(|(part, numbers)| (part.clone(), numbers.clone().into()));
-    (!domain.curve.is_empty()).then(|| Value::Table(table.collect()))
+/// The statement by a saddle-point method with other settings.
+fn by_saddle(of: Statement, other: impl FnOnce(SaddleSettings) -> SaddleSettings) -> Statement {
+    Statement { saddle: Some(other(of.saddle.unwrap_or_default())), ..of }
+}
+
+/// The statement with an accuracy, which concerns the solution for f, whatever load a scene takes; with the bilinear
+/// one bounds are closest.
+fn within(of: Statement, accuracy: Accuracy) -> Statement {
+    let (fineness, load) = (Fineness::Within(accuracy), of.load.map(|_| Statement::LOAD));
+    Statement { fineness, load, tolerance: None, ..of }
+}
+
+/// The usual fineness in place of an accuracy.
+pub(super) fn without_accuracy(fineness: Fineness) -> Fineness {
+    if matches!(fineness, Fineness::Within(_)) { Fineness::Usual } else { fineness }
+}
+
+/// Text of the fineness, if the field of this name states it.
+fn fineness_in_words(of: &Statement, name: &str) -> Vec<String> {
+    let fineness = Some(&of.fineness).filter(|of| **of != Fineness::Usual && of.field() == name);
+    fineness.into_iter().map(Fineness::to_string).collect()
+}
+
+/// Text of the parameter of the law, if it is one of this kind.
+fn law_in_words(of: &Statement, kind: fn(f64) -> LawParameter) -> Vec<String> {
+    let (LawParameter::Friction(bound) | LawParameter::Limit(bound)) =
+        of.law.unwrap_or(LawParameter::Friction(0.0));
+    let own = of.law.filter(|law| *law == kind(bound));
+    own.iter().map(|_| Written(bound).to_string()).collect()
+}
+
+/// Text of the curve of a part.
+fn curve_in_words((part, numbers): (&String, &Vec<f64>)) -> String {
+    let numbers: Vec<_> = numbers.iter().map(|&number| Written(number).to_string()).collect();
+    format!("{part}={}", numbers.join(","))
+}
+
+/// Reads the text that is given.
+fn read<T: FromStr>(given: &[String]) -> Option<T> {
+    given.concat().trim().parse().ok()
+}
+
+/// Reads a choice by its name.
+fn named<T>(given: &[String], of_name: fn(&str) -> Option<T>, all: &[&str]) -> Result<T, String> {
+    of_name(&given.concat()).ok_or_else(|| format!("choose one of {}", all.join(", ")))
+}
+
+/// Reads a positive number, of which there is an example.
+fn positive(given: &[String], example: &str) -> Result<f64, String> {
+    let number = read(given).filter(|Written(number)| *number > 0.0);
+    let number = number.ok_or_else(|| format!("must be a positive number, e.g. {example}"));
+    number.map(|Written(number)| number)
+}
+
+/// Reads a number between 0 and 1, of which there is an example.
+fn share(given: &[String], example: &str) -> Result<f64, String> {
+    let number = positive(given, example).ok().filter(|number| *number < 1.0);
+    number.ok_or_else(|| format!("must be between 0 and 1, e.g. {example}"))
+}
+
+/// Reads the number of a law.
+fn law(given: &[String]) -> Result<f64, String> {
+    match given.iter().any(|text| text.contains('=')) {
+        true => Err(limits::one_law()),
+        false => positive(given, "0.3"),
+    }
+}
+
+/// Reads the cells per side of grids.
+fn grids(given: &[String]) -> Result<Vec<usize>, &'static str> {
+    let cells = given.iter().flat_map(|text| text.split(',')).map(|n| n.trim().parse().ok());
+    cells.collect::<Option<_>>().ok_or("write numbers of cells, as 4,8,16")
+}
+
+/// Reads the curves of parts, each as `PART=NUMBERS`.
+fn curves(given: &[String]) -> Result<BTreeMap<String, Vec<f64>>, String> {
+    let mut curves = BTreeMap::new();
+    for text in given {
+        // A name may have the sign.
+        let read = text.rsplit_once('=').and_then(|(part, numbers)| {
+            let numbers = numbers.split(',').map(|number| number.trim().parse().ok());
+            Some((part.trim().to_owned(), numbers.collect::<Option<_>>()?))
+        });
+        let (part, numbers) = read.ok_or(
+            "write PART=NUMBERS, e.g. hole=0,0,0.3 for a circle of radius 0.3 around (0, 0)",
+        )?;
+        if curves.insert(part, numbers).is_some() {
+            return Err("the part has one already; name it once".into());
+        }
+    }
+    Ok(curves)
+}
+
+/// Reads the cells per side from `1/N`, `N`, or a decimal that is one over an integer.
+fn cells(h: &str) -> Option<usize> {
+    let whole = h.strip_prefix("1/").unwrap_or(h).parse().ok();
+    whole.or_else(|| cells_of_width(h.parse().ok()?)).filter(|n| *n > 0)
+}
+
+/// Returns the integer whose reciprocal is the width, or is nearest to it.
+fn cells_of_width(width: f64) -> Option<usize> {
+    let n = (1.0 / width).round();
+    (width > 0.0 && (n * width == 1.0 || 1.0 / n == width)).then_some(n as usize)
 }
 
 /// Returns the field with this name.
@@ -277,40 +506,47 @@ pub(crate) fn field(name: &str) -> Option<&'static Field> {
 
 impl Field {
     /// Value in a statement that a scene or a command has to name; none if it is the usual one.
-    pub(super) fn named(&self, statement: &Statement) -> Option<Value> {
+    pub(super) fn named(&self, statement: &Statement) -> Option<Vec<String>> {
         let usual = self.usual(statement.saddle.is_some());
-        self.value_in(statement).filter(|value| Some(value) != usual.as_ref())
+        self.value_in(statement).filter(|texts| *texts != usual)
     }
 
-    /// Value in a statement; none where it has none.
-    pub(super) fn value_in(&self, statement: &Statement) -> Option<Value> {
-        self.domains.contain(&statement.domain).then(|| (self.value)(statement)).flatten()
+    /// Value in a statement, in texts as options have it; none where it has none.
+    pub(super) fn value_in(&self, statement: &Statement) -> Option<Vec<String>> {
+        let has_it = self.domains.contain(&statement.domain);
+        has_it.then(|| (self.texts)(statement)).filter(|texts| !texts.is_empty())
     }
 
     /// Value in a usual statement on the square, with the settings of a saddle-point method or without.
-    pub(super) fn usual(&self, has_saddle: bool) -> Option<Value> {
+    pub(super) fn usual(&self, has_saddle: bool) -> Vec<String> {
         let saddle = has_saddle.then(SaddleSettings::default);
-        (self.value)(&Statement { saddle, ..Statement::usual(Domain::square(), "") })
+        (self.texts)(&Statement { saddle, ..Statement::usual(Domain::square(), "") })
     }
 
-    /// Texts as options have them of a value as scenes have it, one for each time that the option is given.
-    pub(super) fn options(&self, value: &Value) -> Vec<String> {
-        match value {
-            Value::Table(table) if self.name == "curve" => {
-                let each = table.iter().map(|(part, value)| (part, self.options(value).join(",")));
-                each.map(|(part, numbers)| format!("{part}={numbers}")).collect()
-            }
-            Value::Table(_) => {
+    /// Value as scenes have it.
+    pub(super) fn toml(&self, texts: &[String]) -> Value {
+        if self.is_list { texts.to_vec().into() } else { toml(&texts.concat()) }
+    }
+
+    /// Texts as options have them of a value as scenes have it.
+    ///
+    /// # Errors
+    /// [`Refused`] for a table that says no value.
+    pub(super) fn read(&self, value: &Value) -> Reading<Vec<String>> {
+        Ok(match value {
+            Value::Table(_) if self.name == "load" => {
                 let rule = LoadRule::deserialize(value.clone());
-                vec![rule.map_or_else(|_| value.to_string(), |rule| rule.to_string())]
+                let rule =
+                    rule.map_err(|e| Refused::new(self.name, format!("`load`: {}", e.message())))?;
+                vec![rule.to_string()]
             }
-            // Parts have options each.
-            Value::Array(values) if values.iter().all(Value::is_str) => {
-                values.iter().map(text).collect()
+            Value::Table(table) if self.is_list || !table.is_empty() => {
+                let each = table.iter().map(|(part, value)| format!("{part}={}", listed(value)));
+                each.collect()
             }
-            Value::Array(values) => vec![values.iter().map(text).collect::<Vec<_>>().join(",")],
-            value => vec![text(value)],
-        }
+            Value::Array(values) if self.is_list => values.iter().map(text).collect(),
+            value => vec![listed(value)],
+        })
     }
 
     /// True if it says how fine grids or meshes are.
@@ -322,7 +558,7 @@ impl Field {
     pub(super) fn differing(&self, statements: [&Statement; 2]) -> Option<[String; 2]> {
         let [one, other] = statements.map(|of| match self.value_in(of) {
             None if self.is_of_problem => Some("none".to_owned()),
-            value => Some(self.options(&value?).join(" ")),
+            value => Some(value?.join(" ")),
         });
         let (one, other) = (one?, other?);
         (one != other).then_some([one, other])
@@ -341,6 +577,26 @@ impl Field {
     /// Name as an option, with its dashes.
     pub(super) fn option(&self) -> String {
         format!("--{}", self.name.replace('_', "-"))
+    }
+}
+
+/// Returns a value of a scene that is read as this text: a number, a list of whole numbers, or the text.
+pub(super) fn toml(of: &str) -> Value {
+    let list: Option<Vec<i64>> = of.split(',').map(|number| number.parse().ok()).collect();
+    let value = match (list.as_deref(), of.parse()) {
+        (Some(&[number]), _) => Value::Integer(number),
+        (Some(numbers), _) => numbers.to_vec().into(),
+        (None, Ok(number)) => Value::Float(number),
+        (None, Err(_)) => of.into(),
+    };
+    if listed(&value) == of { value } else { of.into() }
+}
+
+/// Returns a value or a list of numbers as an option has it.
+fn listed(value: &Value) -> String {
+    match value {
+        Value::Array(values) => values.iter().map(text).collect::<Vec<_>>().join(","),
+        value => text(value),
     }
 }
 
@@ -372,10 +628,8 @@ impl Voice {
 
     /// Field with a text as its value, as it is to be written.
     pub(crate) fn with_text(self, field: &str, text: &str) -> String {
-        match (self, field) {
-            (Self::Keys, "load") => format!("load = {{ rule = \"{text}\" }}"),
-            (Self::Keys, "stop") => format!("stop = [\"{text}\"]"),
-            (Self::Keys, _) => format!("{field} = \"{text}\""),
+        match self {
+            Self::Keys => format!("{field} = \"{text}\""),
             _ => self.with_value(field, text),
         }
     }
@@ -396,15 +650,15 @@ pub(crate) type Reading<T> = Result<T, Refused>;
 /// Refusal of a field.
 #[derive(Debug)]
 pub(crate) struct Refused {
-    /// Name of the field.
-    pub(crate) field: &'static str,
+    /// Name of the field, or of another key.
+    pub(crate) field: String,
     /// Sentence, with the remedy.
     pub(crate) text: String,
 }
 
 impl Refused {
-    pub(crate) fn new(field: &'static str, text: impl Into<String>) -> Self {
-        Self { field, text: text.into() }
+    pub(crate) fn new(field: &str, text: impl Into<String>) -> Self {
+        Self { field: field.to_owned(), text: text.into() }
     }
 }
 
@@ -417,15 +671,20 @@ impl From<Refused> for Error {
 impl Fields {
     /// Refuses fields that do not go with a solver, a domain, each other or a scene.
     pub(super) fn check(&self, voice: Voice, domain: &Domain, solver: Solver) -> Reading<()> {
-        for (place, field) in FIELDS.iter().enumerate().filter(|(_, field)| (field.given)(self)) {
+        for (place, field) in FIELDS.iter().enumerate().filter(|(_, field)| self.has(field.name)) {
             if voice == Voice::OverScene && field.name == "domain" {
                 let text = "does not go with a scene, which has its own; leave it out, or give --f in place of the \
                             scene";
                 return Err(field.refused(voice, text));
             }
+            if voice == Voice::Keys && field.table == Some("domain") && !self.has("domain") {
+                let text =
+                    "missing field `name` of `domain`, which has no meshes without it; add it";
+                return Err(Refused::new("domain", text));
+            }
             field.check_domain(voice, domain)?;
             field.check_solver(voice, solver)?;
-            let mut before = FIELDS[..place].iter().filter(|other| (other.given)(self));
+            let mut before = FIELDS[..place].iter().filter(|other| self.has(other.name));
             let twice = before.find_map(|other| Some((other, field.says_as(other)?)));
             if let Some((other, what)) = twice {
                 let text = format!(
@@ -435,15 +694,7 @@ impl Fields {
                 return Err(field.refused(voice, &text));
             }
         }
-        if self.draw_r.is_some() {
-            Field { name: "draw_r", ..OF_SADDLE }.check_solver(voice, solver)?;
-        }
         Ok(())
-    }
-
-    /// Accuracy among the fields.
-    pub(crate) fn accuracy(&self) -> Option<Accuracy> {
-        self.accuracy.map(Accuracy::Error).or(self.accuracy_energy.map(Accuracy::Energy))
     }
 }
 
@@ -498,4 +749,25 @@ impl Field {
 /// Names of solvers, in a sentence.
 pub(super) fn names(solvers: &[Solver]) -> String {
     solvers.iter().map(Solver::to_string).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn widths_are_read_and_refused() {
+        assert_eq!(cells("1/256"), Some(256));
+        assert_eq!(cells("0.25"), Some(4));
+        assert_eq!(cells("128"), Some(128));
+        for n in 1..2000 {
+            let width = (1.0 / n as f64).to_string();
+            assert_eq!(cells(&width), Some(n));
+        }
+        for wrong in
+            ["2/3", "0.3", "-0.25", "nan", "1/x", "x", "0", "1/0", "", "99999999999999999999"]
+        {
+            assert!(cells(wrong).is_none(), "{wrong}");
+        }
+    }
 }

@@ -1,24 +1,22 @@
 //! Fields that are varied, and names in f: the members of a study.
 //!
-//! Central is [`Vary`]: the same lists are the key `vary` of a scene and the option `--vary` of `solve`, and each value
-//! of a field is read as its option reads it.
+//! Central is [`Vary`]: the same lists are the key `vary` of a scene, lists of `r` and `stop` there, and the option
+//! `--vary` of `solve`, and each value of a field is read as its option reads it.
 
 use super::Fields;
-use super::lists::{EXAMPLE, MOST_MEMBERS, Varied, product_of, products};
+use super::lists::{MOST_MEMBERS, Varied, product_of};
 use super::member::{Member, Varying, in_words};
 use super::names::{is_name, names, with_numbers};
-use super::table::{FIELDS, Field, Reading, Refused, Voice, field, text};
+use super::table::{FIELDS, Reading, Refused, Voice, field, text};
 use crate::replication::columns::{COLUMNS, END};
 use crate::replication::limits;
-use clap::builder::Resettable;
-use clap::error::{ContextKind, ContextValue};
-use clap::{Arg, Args, Command, FromArgMatches};
-use serde::{Deserialize, Deserializer, de};
 use signorini_mathematics::problem::text::Written;
 use signorini_mathematics::statement::Statement;
 use std::collections::{BTreeMap, BTreeSet};
-use std::error::Error as _;
 use toml::Value;
+
+/// Key of a scene whose lists are varied, and option of `solve`.
+pub(crate) const VARY: &str = "vary";
 
 /// Values that are varied, as they are given.
 #[derive(Clone, Debug)]
@@ -27,20 +25,19 @@ pub(crate) struct Vary {
     pub(crate) names: Vec<String>,
     /// Values of each member, in the order of the names.
     members: Vec<Vec<Value>>,
+    /// Key of the scene that varies them: `vary`, or one whose list is short for it.
+    key: String,
 }
 
 impl Vary {
-    /// Returns the members of products of lists, one product after the other.
+    /// Returns the members of products of lists, one product after the other; of a product without lists, one that
+    /// varies nothing. The key of the scene that has the lists is named by refusals.
     ///
     /// # Errors
     /// Reason, with the remedy.
-    fn of(products: &[Vec<Varied>]) -> Result<Self, String> {
-        let names: Vec<String> = match products {
-            [first, ..] if !first.is_empty() => {
-                first.iter().map(|list| list.name.clone()).collect()
-            }
-            _ => return Err(format!("nothing is varied; write {EXAMPLE}")),
-        };
+    pub(crate) fn of(products: &[Vec<Varied>], key: &str) -> Result<Self, String> {
+        let names = products.first().into_iter().flatten().map(|list| list.name.clone());
+        let names: Vec<String> = names.collect();
         if let Some(name) = names.iter().find(|name| !is_name(name)) {
             return Err(format!("`{name}` is no name; take letters, digits and _"));
         }
@@ -64,7 +61,7 @@ impl Vary {
                 return Err(format!("`{}` has no values; add some, or leave it out", list.name));
             }
             let counts = lists.iter().map(|list| list.values.len());
-            let count = counts.fold(members.len().max(1), usize::saturating_mul);
+            let count = counts.fold(1, usize::saturating_mul).saturating_add(members.len());
             if count > MOST_MEMBERS {
                 return Err(format!(
                     "there are {count} members, more than {MOST_MEMBERS}; leave out values, or divide the study"
@@ -72,15 +69,7 @@ impl Vary {
             }
             members.extend(product_of(&lists));
         }
-        Ok(Self { names, members })
-    }
-
-    /// Reads the values of options `--vary NAME=A,B,...`, whose product is taken.
-    ///
-    /// # Errors
-    /// Reason, with the remedy.
-    pub(crate) fn of_options(options: &[Varied]) -> Result<Self, String> {
-        Self::of(&[options.to_vec()])
+        Ok(Self { names, members, key: key.to_owned() })
     }
 
     /// Returns the members, whose statements `state` makes of these fields with the values of each.
@@ -95,22 +84,25 @@ impl Vary {
         mut state: impl FnMut(&Fields) -> Reading<Statement>,
     ) -> Reading<Vec<Member>> {
         for field in self.names.iter().filter_map(|name| field(name)) {
-            if (field.given)(base) {
+            if base.has(field.name) {
                 let text =
                     format!("{} is given as well; leave one of them out", voice.name(field.name));
                 return Err(refused(voice, field.name, None, &text));
             }
         }
-        let base = Fields { vary: None, ..base.clone() };
-        let mut parser = parser();
         let (mut members, mut seen) = (Vec::with_capacity(self.members.len()), BTreeSet::new());
         for values in &self.members {
-            let (fields, numbers) = self.read(&base, voice, values, &mut parser)?;
+            let (fields, numbers) = self.read(base, voice, values)?;
             let statement = state(&fields).map_err(|refused| {
-                let is_varied = self.names.iter().any(|name| name == refused.field);
-                let field = if is_varied { "vary" } else { refused.field };
-                let words = in_words(&self.names, values.iter().map(text));
-                Refused::new(field, format!("with {words}: {}", refused.text))
+                let is_varied = self.names.contains(&refused.field);
+                let field = if is_varied { &self.key } else { &refused.field };
+                // Lists of rules and r are mostly what all members have in common, and the only name says its value.
+                let is_told = self.key != VARY || is_varied && self.names.len() == 1;
+                let words = match is_told || self.names.is_empty() {
+                    true => String::new(),
+                    false => format!("with {}: ", in_words(&self.names, values.iter().map(text))),
+                };
+                Refused::new(field, words + &refused.text)
             })?;
             let member = Member { numbers, statement };
             let found: Option<Vec<Varying>> =
@@ -118,26 +110,14 @@ impl Vary {
             let Some(found) = found else {
                 let words = in_words(&self.names, values.iter().map(text));
                 return Err(Refused::new(
-                    "vary",
+                    &self.key,
                     format!("{words}: not all of them go together; leave one out"),
                 ));
             };
-            for (name, (value, found)) in self.names.iter().zip(values.iter().zip(&found)) {
-                let is_none = matches!(value, Value::Array(parts) if parts.is_empty());
-                // An option that is not given leaves a scene its own parts.
-                if is_none && *found != Varying::Parts(Vec::new()) {
-                    let text = "the scene has such parts, and keeps them where none is given; name others, or change \
-                                the scene";
-                    return Err(refused(voice, name, None, text));
-                }
-            }
             let meanings = self.names.iter().zip(&found).map(|(name, value)| value.meaning(name));
             if !seen.insert(meanings.collect::<Vec<_>>()) {
                 let words = in_words(&self.names, &found);
-                return Err(Refused::new(
-                    "vary",
-                    format!("{}: {words} is there twice; remove one", voice.name("vary")),
-                ));
+                return Err(Refused::new(&self.key, format!("{words} is there twice; remove one")));
             }
             members.push(member);
         }
@@ -150,25 +130,26 @@ impl Vary {
         base: &Fields,
         voice: Voice,
         values: &[Value],
-        parser: &mut Command,
     ) -> Reading<(Fields, BTreeMap<String, f64>)> {
-        let mut arguments = vec!["solve".to_owned()];
+        let (mut fields, mut own) = (base.clone(), Vec::new());
         for (name, value) in self.names.iter().zip(values) {
-            if let Some(field) = field(name) {
-                arguments.extend(field.arguments(voice, value)?);
+            match (field(name), value) {
+                (Some(field), Value::Table(_)) if field.name == "domain" => {
+                    let text = "in `vary` a domain is its name alone; what is said of it varies beside it, as in vary \
+                        = [{ domain = \"disc\", refine = 2 }, { domain = \"lshape\", refine = 3 }]";
+                    return Err(refused(voice, name, Some(value), text));
+                }
+                (Some(field), value) => fields.insert(field, value)?,
+                (None, value) => own.push((name, value)),
             }
         }
-        let mut fields = base.clone();
-        let matches = parser.try_get_matches_from_mut(arguments);
-        let read = matches.and_then(|matches| fields.update_from_arg_matches(&matches));
-        read.map_err(|e| self.refused_value(voice, values, &e))?;
-        let f = fields.f.take();
-        let in_f: BTreeSet<&str> = f.iter().flat_map(|f| names(f)).collect();
+        let f = fields.text("f").unwrap_or_default();
+        let in_f: BTreeSet<&str> = names(f).collect();
         let mut numbers = BTreeMap::new();
-        for (name, value) in self.names.iter().zip(values).filter(|(name, _)| field(name).is_none())
-        {
+        for (name, value) in own {
             if !in_f.contains(name.as_str()) {
-                let known = FIELDS.map(|field| field.name).join(", ");
+                let known: Vec<_> = FIELDS.iter().map(|field| field.name).collect();
+                let known = known.join(", ");
                 let text = limits::of_word(name).unwrap_or_else(|| {
                     format!("no such field, and f has no ${name}; the fields are {known}")
                 });
@@ -176,32 +157,11 @@ impl Vary {
             }
             numbers.insert(name.clone(), number_of(voice, name, value)?);
         }
-        fields.f = f.map(|f| with_numbers(&f, &numbers)).transpose()?;
+        if let Some(f) = fields.text("f") {
+            let f = with_numbers(f, &numbers)?;
+            fields.0.insert("f", vec![f]);
+        }
         Ok((fields, numbers))
-    }
-
-    /// Refusal of a value of a member by the parser of its option.
-    fn refused_value(&self, voice: Voice, values: &[Value], error: &clap::Error) -> Refused {
-        let option = match error.get(ContextKind::InvalidArg) {
-            Some(ContextValue::String(option)) => {
-                option.split([' ', '=']).next().unwrap_or_default()
-            }
-            _ => "",
-        };
-        let of_option = |name: &String| field(name).is_some_and(|field| field.option() == option);
-        let place = self.names.iter().position(of_option).unwrap_or_default();
-        let reason = match (error.source(), error.get(ContextKind::ValidValue)) {
-            (Some(source), _) => format!("{source}; list values with commas between them"),
-            (None, Some(ContextValue::Strings(valid))) if !valid.is_empty() => {
-                format!("choose one of {}", valid.join(", "))
-            }
-            _ => {
-                let text = error.to_string();
-                let line = text.lines().next().unwrap_or_default();
-                line.trim_start_matches("error: ").to_owned()
-            }
-        };
-        refused(voice, &self.names[place], Some(&values[place]), &reason)
     }
 }
 
@@ -229,47 +189,26 @@ fn number_of(voice: Voice, name: &str, value: &Value) -> Reading<f64> {
     })
 }
 
-impl Field {
-    /// Returns the arguments that give the field a value.
-    fn arguments(&self, voice: Voice, value: &Value) -> Reading<Vec<String>> {
-        if let ("domain", Value::Table(_)) = (self.name, value) {
-            let text = "in `vary` a domain is its name alone; what is said of it varies beside it, as in vary = \
-                [{ domain = \"disc\", refine = 2 }, { domain = \"lshape\", refine = 3 }]";
-            return Err(refused(voice, self.name, Some(value), text));
-        }
-        let texts = self.options(value).into_iter();
-        Ok(texts.map(|text| format!("{}={text}", self.option())).collect())
-    }
-}
-
 /// True if a row has a key of this name besides what is varied.
 fn is_taken(name: &str) -> bool {
     ["schema", END].contains(&name) || COLUMNS.contains(&name)
 }
 
-impl<'de> Deserialize<'de> for Vary {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let products = products(deserializer)?;
-        Self::of(&products).map_err(|reason| de::Error::custom(format!("`vary`: {reason}")))
-    }
-}
-
-/// Returns a parser of the options of fields.
-fn parser() -> Command {
-    // What the options of `solve` ask of each other is asked of the member as a whole.
-    let command = Fields::augment_args(Command::new("solve"));
-    command.mut_args(|arg: Arg| arg.conflicts_with(Resettable::Reset).requires(Resettable::Reset))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::replication::fields::lists::Products;
 
     fn with(f: &str, vary: &str) -> Result<Vec<String>, String> {
-        let given: Fields = toml::from_str(vary).map_err(|e| e.to_string())?;
-        let vary = given.vary.ok_or("nothing is varied")?;
-        let base = Fields { f: Some(f.into()), ..Fields::default() };
-        let members = vary.members(&base, Voice::Keys, |fields| fields.usual(Voice::Keys));
+        #[derive(serde::Deserialize)]
+        struct Given {
+            vary: Products,
+        }
+        let given: Given = toml::from_str(vary).map_err(|e| e.to_string())?;
+        let base = Fields::of_keys([("f".to_owned(), f.into())].into_iter().collect(), &[]);
+        let base = base.map_err(|refused| refused.text)?;
+        let vary = Vary::of(&given.vary.0, VARY)?;
+        let members = vary.members(&base, Voice::Keys, |fields| fields.stated(Voice::Keys));
         let members = members.map_err(|refused| refused.text)?;
         Ok(members.into_iter().map(|member| member.statement.f).collect())
     }

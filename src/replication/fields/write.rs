@@ -12,8 +12,8 @@ use toml::Value;
 fn options(statement: &Statement) -> Vec<[String; 2]> {
     let mut options = Vec::new();
     for field in &FIELDS {
-        let Some(value) = field.named(statement) else { continue };
-        options.extend(field.options(&value).into_iter().map(|v| [field.option(), v]));
+        let texts = field.named(statement).into_iter().flatten();
+        options.extend(texts.map(|text| [field.option(), text]));
     }
     options
 }
@@ -71,42 +71,26 @@ pub(crate) fn study(title: &str, first: &Statement, lists: &[(String, Vec<Varyin
     keys(title, first, &names) + &format!("vary = {{ {} }}\n{outputs}", varied.join(", "))
 }
 
-/// Returns the lines of a title and a statement without these fields.
+/// Returns the lines of a title and a statement without these fields; of a domain about which nothing else is said, its
+/// name.
 fn keys(title: &str, statement: &Statement, without: &[&str]) -> String {
-    let mut text = format!("title = {}\n", Value::from(title));
-    let mut tables: Vec<&str> = Vec::new();
+    let mut lines = vec![("title", Value::from(title))];
     for field in FIELDS.iter().filter(|field| !without.contains(&field.name)) {
-        let key = field.table.unwrap_or(field.name);
-        if tables.contains(&key) {
-            continue;
+        let Some(texts) = field.named(statement) else { continue };
+        let (key, value) = (field.table.unwrap_or(field.name), field.toml(&texts));
+        let known = lines.iter_mut().find(|(known, _)| *known == key);
+        match known.map(|(_, known)| known) {
+            Some(Value::Table(table)) => _ = table.insert(field.name.to_owned(), value),
+            Some(name) => *name = table([("name", name.clone()), (field.name, value)]),
+            None if field.table.is_some() => lines.push((key, table([(field.name, value)]))),
+            None => lines.push((key, value)),
         }
-        let is_table = FIELDS.iter().any(|field| field.table == Some(key));
-        let value = match is_table {
-            false => field.named(statement),
-            true => {
-                tables.push(key);
-                table(key, statement, without)
-            }
-        };
-        text.extend(value.map(|value| format!("{key} = {value}\n")));
     }
-    text
+    let lines: Vec<_> = lines.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+    lines.join("\n") + "\n"
 }
 
-/// Returns the fields of a table of a scene without these: of a domain about which nothing else is said, its name.
-fn table(key: &str, statement: &Statement, without: &[&str]) -> Option<Value> {
-    let mut table = toml::Table::new();
-    let of_table = FIELDS.iter().filter(|field| field.table == Some(key));
-    for field in of_table.filter(|field| !without.contains(&field.name)) {
-        table.extend(field.named(statement).map(|value| (field.name.to_owned(), value)));
-    }
-    let name = FIELDS.iter().find(|field| field.name == key && !without.contains(&key));
-    match name.and_then(|field| field.named(statement)) {
-        Some(name) if table.is_empty() => Some(name),
-        Some(name) => {
-            table.insert("name".into(), name);
-            Some(Value::Table(table))
-        }
-        None => (!table.is_empty()).then_some(Value::Table(table)),
-    }
+/// Returns the table with these keys.
+fn table<const N: usize>(keys: [(&str, Value); N]) -> Value {
+    Value::Table(keys.map(|(key, value)| (key.to_owned(), value)).into_iter().collect())
 }

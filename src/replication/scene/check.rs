@@ -1,15 +1,16 @@
 //! Checks of a scene as a whole, of its outputs, and of its mesh.
 
+use super::keys::SceneKeys;
 use super::{Scene, in_scene};
 use crate::pipeline::error::{Error, Result};
 use crate::pipeline::names::{in_shell, refuse_forbidden};
-use crate::replication::fields::Fields;
 use crate::replication::fields::lists::repeated;
 use crate::replication::fields::table::{Reading, Refused, Voice};
 use crate::replication::mesh_files;
 use crate::replication::output::Output;
 use signorini_mathematics::identify::COARSEST;
 use signorini_mathematics::solvers::{MOST_CELLS, Solver};
+use signorini_mathematics::statement::Statement;
 
 /// Outputs of a scene on the square that other domains do not have, each with the reason.
 const NOT_ON_DOMAINS: [(Output, &str); 2] = [
@@ -37,9 +38,7 @@ impl Scene {
         let Some(mesh) = mesh else {
             // The load of a published table is the paper's.
             let own = notes.into_iter().filter(|_| self.paper_table.is_none());
-            return Ok(own
-                .map(|note| note + "; load = { rule = \"bilinear\" } does not")
-                .collect());
+            return Ok(own.map(|note| note + "; load = \"bilinear\" does not").collect());
         };
         let (dimension, (_, nodes)) = (mesh.dimension(), mesh_files::size(&self.statement, &mesh)?);
         if let Some(accuracy) = self.statement.accuracy().filter(|_| dimension == 3) {
@@ -63,47 +62,12 @@ impl Scene {
         }
     }
 
-    /// Output that a study does not have, if there is one.
-    fn other_than_of_studies(&self) -> Option<&Output> {
-        self.outputs.iter().find(|output| ![Output::Table, Output::Chart].contains(*output))
-    }
-
-    /// Refuses outputs and keys that only a study has, or that a study does not have.
-    pub(super) fn check_outputs(self, fields: &Fields) -> Reading<Self> {
-        let has_axes = fields.chart.is_some();
-        if !self.is_study && fields.columns.is_some() {
-            let text = "`columns` are of a study; add `vary`, or leave them out";
-            return Err(Refused::new("columns", text));
-        }
-        let text = match (self.is_study, self.wants(Output::Chart)) {
-            (false, true) => "`chart` shows a study; add `vary`, or drop it from `outputs`".into(),
-            (false, false) if has_axes => {
-                "`chart` is of a study; add `vary`, or leave it out".into()
-            }
-            (true, false) if has_axes => {
-                "`chart` has axes; add \"chart\" to `outputs`, or leave it out".into()
-            }
-            (true, _) => match self.other_than_of_studies() {
-                None => return Ok(self),
-                Some(output) => format!(
-                    "`{output}` shows one solution; a study has \"table\" and \"chart\": drop it from `outputs`"
-                ),
-            },
-            (false, false) => return Ok(self),
-        };
-        Err(Refused::new("outputs", text))
-    }
-
     /// Makes the checks that concern the scene as a whole.
     pub(super) fn complete(mut self) -> Reading<Self> {
         if self.statement.law.is_some() && self.paper_table.is_some() {
             let text =
                 "the published tables are for the paper's law; leave out `law`, or `paper_table`";
             return Err(Refused::new("law", text));
-        }
-        // The members of a study are checked one by one.
-        if !self.is_study {
-            self.check_on_domain()?;
         }
         if self.statement.saddle.is_none() && self.wants(Output::History) {
             let text = format!(
@@ -129,48 +93,47 @@ impl Scene {
             .map_err(|e| Refused::new("title", e.to_string()))?;
         Ok(self)
     }
+}
 
-    /// Makes the checks that concern the square or, on another domain, do not need the mesh.
-    pub(super) fn check_on_domain(&self) -> Reading<()> {
-        let statement = &self.statement;
-        if !statement.domain.is_square() {
-            if self.paper_table.is_some() {
-                let text = "`paper_table` is for the square; leave it out beside `domain`";
-                return Err(Refused::new("paper_table", text));
-            }
-            let mut refused = NOT_ON_DOMAINS.iter();
-            return match refused.find(|(output, _)| self.outputs.contains(output)) {
-                None => Ok(()),
-                Some((output, reason)) => Err(Refused::new(
-                    "outputs",
-                    format!("`{output}` is for the square: {reason}; drop it from `outputs`"),
-                )),
-            };
+/// Checks a statement of a scene with these keys on the square or, on another domain, as far as no mesh is needed.
+pub(super) fn check_on_domain(statement: &Statement, keys: &SceneKeys) -> Reading<()> {
+    if !statement.domain.is_square() {
+        if keys.paper_table.is_some() {
+            let text = "`paper_table` is for the square; leave it out beside `domain`";
+            return Err(Refused::new("paper_table", text));
         }
-        let field = statement.fineness.field();
-        let grids = statement.grids().map_err(|e| Refused::new(field, e.to_string()))?;
-        // As many counts on other grids would be compared without an error.
-        if self.paper_table.is_some() && grids[0].cells() != COARSEST {
-            return Err(Refused::new(
-                "grids",
-                format!(
-                    "the published tables begin with the grid 1/{COARSEST}; let `grids` begin with {COARSEST}, or \
-                 leave out `paper_table`"
-                ),
-            ));
-        }
-        let finest = self.finest().cells();
-        if let Err(e) = statement.solver.check_cells(finest) {
-            return Err(Refused::new(field, format!("`{field}`: {e}")));
-        }
-        if finest > MOST_CELLS {
-            return Err(Refused::new(
-                field,
-                format!(
-                    "grid 1/{finest} needs more memory than is sensible; 1/{MOST_CELLS} is the finest"
-                ),
-            ));
-        }
-        Ok(())
+        let mut refused = NOT_ON_DOMAINS.iter();
+        return match refused.find(|(output, _)| keys.outputs.contains(output)) {
+            None => Ok(()),
+            Some((output, reason)) => Err(Refused::new(
+                "outputs",
+                format!("`{output}` is for the square: {reason}; drop it from `outputs`"),
+            )),
+        };
     }
+    let field = statement.fineness.field();
+    let grids = statement.grids().map_err(|e| Refused::new(field, e.to_string()))?;
+    // As many counts on other grids would be compared without an error.
+    if keys.paper_table.is_some() && grids[0].cells() != COARSEST {
+        return Err(Refused::new(
+            "grids",
+            format!(
+                "the published tables begin with the grid 1/{COARSEST}; let `grids` begin with {COARSEST}, or \
+             leave out `paper_table`"
+            ),
+        ));
+    }
+    let finest = grids[grids.len() - 1].cells();
+    if let Err(e) = statement.solver.check_cells(finest) {
+        return Err(Refused::new(field, format!("`{field}`: {e}")));
+    }
+    if finest > MOST_CELLS {
+        return Err(Refused::new(
+            field,
+            format!(
+                "grid 1/{finest} needs more memory than is sensible; 1/{MOST_CELLS} is the finest"
+            ),
+        ));
+    }
+    Ok(())
 }

@@ -1,18 +1,22 @@
-//! Scenes from TOML: the statement that the keys of a file make or, of a study, those of its members.
+//! Scenes from TOML: the statements that the keys of a file make.
 
 use super::Scene;
+use super::check::check_on_domain;
+use super::keys::{SCENE_KEYS, SceneKeys};
 use crate::pipeline::InputFiles;
 use crate::pipeline::error::{Error, Result, from_toml};
 use crate::replication::fields::Fields;
-use crate::replication::fields::lists::repeated;
-use crate::replication::fields::table::{Reading, Refused, Voice, field};
-use crate::replication::limits;
+use crate::replication::fields::lists::{EXAMPLE, Products, Varied};
+use crate::replication::fields::member::Member;
+use crate::replication::fields::table::{Reading, Refused, Voice};
+use crate::replication::fields::vary::{VARY, Vary};
 use crate::replication::output::Output;
 use crate::replication::study::Study;
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::saddle::StopRule;
 use signorini_mathematics::solvers::{SaddleSettings, Solver};
-use signorini_mathematics::statement::Statement;
+use signorini_mathematics::statement::{Domain, Statement};
+use toml::{Table, Value};
 
 /// Duality parameters of the published tables.
 const PAPERS_R: [f64; 5] = [1e6, 10.0, 5.0, 1.0, 0.5];
@@ -24,139 +28,115 @@ impl Scene {
     /// [`Error::Input`] with the line of the mistake. [`Scene::check`] tells whether there is a problem to be solved.
     pub fn parse(name: &str, text: &str) -> Result<Self> {
         let what = format!("scene `{name}`");
-        let fields: Fields = from_toml(&what, text).map_err(with_table)?;
-        let scene = match fields.vary {
-            Some(_) => Self::of_study(name, &fields),
-            None => Self::of(name, &fields),
-        };
-        let scene = scene.and_then(|scene| scene.check_outputs(&fields)?.complete());
-        scene.map_err(|Refused { field, text: why }| {
-            let line = line_of(field, text).map_or(String::new(), |line| format!("line {line}: "));
-            Error::input(format!("{what}: {line}{why}"))
-        })
+        let mut given: Table = from_toml(&what, text)?;
+        given.retain(|key, _| !SCENE_KEYS.contains(&key));
+        let short = short_lists(&mut given);
+        let fields = Fields::of_keys(given, &SCENE_KEYS).map_err(|e| in_file(&what, text, e))?;
+        let scene = Self::of(name, from_toml(&what, text)?, &fields, short);
+        scene.and_then(Self::complete).map_err(|e| in_file(&what, text, e))
     }
 
-    /// The scene that these fields make, before it is checked as a whole.
-    fn of(name: &str, fields: &Fields) -> Reading<Self> {
-        let missing = |field| Refused::new(field, format!("missing field `{field}`; add it"));
-        let title = fields.title.clone().ok_or_else(|| missing("title"))?;
-        let outputs = fields.outputs.clone().ok_or_else(|| missing("outputs"))?;
-        let usual = fields.usual(Voice::Keys)?;
-        let is_papers = fields.paper_table.is_some();
-        let papers = Solver::ArrowHurwicz;
-        if let Some(solver) = fields.solver.filter(|&solver| is_papers && solver != papers) {
-            let text = format!(
-                "the published tables are those of {papers}; leave out solver = \"{solver}\", or `paper_table`"
-            );
-            return Err(Refused::new("solver", text));
+    /// The scene of these keys, with fields of its statement, of which lists are `vary` written short.
+    fn of(name: &str, mut keys: SceneKeys, fields: &Fields, short: Vec<Varied>) -> Reading<Self> {
+        let (is_study, is_papers) = (keys.vary.is_some(), keys.paper_table.is_some());
+        let mut lists = short;
+        let mut base = Statement::usual(Domain::square(), "");
+        if is_papers {
+            check_papers(fields, is_study)?;
+            base = of_the_tables(base);
+            if !fields.has("r") && lists.iter().all(|list| list.name != "r") {
+                lists
+                    .push(Varied { name: "r".into(), values: PAPERS_R.map(Value::Float).to_vec() });
+            }
         }
-        let base = if is_papers { of_the_tables(usual) } else { usual };
-        let usual = base.saddle.unwrap_or_default();
-        let statement = fields.over(base, Voice::Keys)?;
-        let r = if is_papers { PAPERS_R.to_vec() } else { vec![usual.r] };
-        let r = fields.r.clone().unwrap_or(r);
-        let stop = fields.stop_rules(Voice::Keys)?.unwrap_or_else(|| vec![usual.stop]);
+        let Products(mut products) = keys.vary.take().unwrap_or(Products(vec![Vec::new()]));
+        let key = lists.last().filter(|_| !is_study).map_or(VARY, |list| &list.name);
+        products.iter_mut().for_each(|product| product.extend(lists.iter().cloned()));
+        let vary = Vary::of(&products, key).map_err(|reason| Refused::new(key, reason))?;
+        if is_study && vary.names.is_empty() {
+            return Err(Refused::new(key, format!("nothing is varied; write {EXAMPLE}")));
+        }
+        let members = vary.members(fields, Voice::Keys, |fields| {
+            let statement = fields.over(base.clone(), Voice::Keys)?;
+            check_on_domain(&statement, &keys)?;
+            Ok(statement)
+        })?;
+        keys.check_outputs(is_study)?;
+        let mut study = Study::of(&vary.names, members);
+        if is_study && keys.outputs.contains(&Output::Chart) {
+            study.chart = Some(study.axes(keys.chart.as_ref())?);
+        }
+        study.columns = study.columns(keys.columns.as_deref())?;
+        let shown = match is_study {
+            true => &study.members[0],
+            false => drawn(&study.members, keys.draw_r)?,
+        };
         Ok(Self {
             name: name.to_owned(),
-            title,
-            paper_table: fields.paper_table,
-            study: expanded(&statement, &r, &stop)?,
-            statement,
-            is_study: false,
-            picture: fields.picture.clone(),
-            outputs,
+            title: keys.title,
+            paper_table: keys.paper_table,
+            statement: shown.statement.clone(),
+            study,
+            is_study,
+            picture: keys.picture,
+            outputs: keys.outputs,
             files: InputFiles::new(),
         })
     }
+}
 
-    /// The study that these fields make: of each member the statement, all else of the first.
-    fn of_study(name: &str, fields: &Fields) -> Reading<Self> {
-        let Some(vary) = &fields.vary else { return Self::of(name, fields) };
-        if fields.paper_table.is_some() {
-            let text =
-                "the published tables are of one problem each; leave out `vary`, or `paper_table`";
-            return Err(Refused::new("vary", text));
-        }
-        let mut first = None;
-        let members = vary.members(fields, Voice::Keys, |fields| {
-            let member = Self::of(name, fields).and_then(Self::of_one_member)?;
-            let statement = member.statement.clone();
-            first.get_or_insert(member);
-            Ok(statement)
-        })?;
-        let first =
-            first.ok_or_else(|| Refused::new("vary", "`vary` has no members; add values"))?;
-        let mut study = Study::of(&vary.names, members);
-        let is_drawn = first.wants(Output::Chart);
-        study.chart = is_drawn.then(|| study.axes(fields.chart.as_ref())).transpose()?;
-        study.columns = study.columns(fields.columns.as_deref())?;
-        Ok(Self { study, is_study: true, ..first })
+/// Error of a scene, with the line of the key.
+fn in_file(what: &str, text: &str, Refused { field, text: why }: Refused) -> Error {
+    let line = line_of(&field, text).map_or(String::new(), |line| format!("line {line}: "));
+    Error::input(format!("{what}: {line}{why}"))
+}
+
+/// Refuses a study, and another solver, for a published table.
+fn check_papers(fields: &Fields, is_study: bool) -> Reading<()> {
+    let papers = Solver::ArrowHurwicz;
+    if is_study {
+        let text =
+            "the published tables are of one problem each; leave out `vary`, or `paper_table`";
+        return Err(Refused::new("vary", text));
     }
-
-    /// A member of a study, checked on its domain; it has one rule and one r.
-    fn of_one_member(self) -> Reading<Self> {
-        if self.study.members.len() > 1 {
-            let field = if self.r().len() > 1 { "r" } else { "stop" };
-            let text = format!(
-                "`{field}` has several values; in a study give one, or name them in `vary`"
-            );
-            return Err(Refused::new(field, text));
-        }
-        self.check_on_domain()?;
-        Ok(self)
+    match fields.text("solver").filter(|solver| *solver != papers.entry().name) {
+        None => Ok(()),
+        Some(solver) => Err(Refused::new(
+            "solver",
+            format!(
+                "the published tables are those of {papers}; leave out solver = \"{solver}\", or `paper_table`"
+            ),
+        )),
     }
 }
 
-/// Returns the members of a statement: of a saddle-point method one for each rule and r, else one.
-fn expanded(statement: &Statement, r: &[f64], stop: &[StopRule]) -> Reading<Study> {
-    let Some(drawn) = statement.saddle else {
-        return Ok(Study::of(&[], vec![statement.clone().into()]));
-    };
-    for (field, is_empty) in [("r", r.is_empty()), ("stop", stop.is_empty())] {
-        if is_empty {
-            let text = "`r` and `stop` must not be empty; e.g. r = [10], stop = [\"signed\"]";
-            return Err(Refused::new(field, text));
+/// Takes lists of rules and r from keys, which are `vary` written short.
+fn short_lists(given: &mut Table) -> Vec<Varied> {
+    let mut lists = Vec::new();
+    for name in ["stop", "r"] {
+        match given.remove(name) {
+            Some(Value::Array(values)) if values.len() != 1 => {
+                lists.push(Varied { name: name.to_owned(), values });
+            }
+            other => given.extend(other.map(|value| (name.to_owned(), value))),
         }
     }
-    if let Some(r) = repeated(r) {
-        return Err(Refused::new("r", format!("`r` lists {r} twice; remove one")));
-    }
-    if let Some(rule) = repeated(stop) {
-        return Err(Refused::new("stop", format!("`stop` lists {rule} twice; remove one")));
-    }
-    if !r.contains(&drawn.r) {
-        let text = format!("`draw_r` = {} is not among `r`; add it there", drawn.r);
-        return Err(Refused::new("draw_r", text));
-    }
-    let mut members = Vec::new();
-    for &stop in stop {
-        for &r in r {
-            let saddle = Some(SaddleSettings { stop, r, ..drawn });
-            members.push(Statement { saddle, ..statement.clone() }.into());
-        }
-    }
-    Ok(Study::of(&["stop", "r"].map(str::to_owned), members))
+    lists
 }
 
-/// Returns the error of an unknown key with the table to which the key belongs, if there is one.
-fn with_table(error: Error) -> Error {
-    let text = error.to_string();
-    let unknown = text.split_once("unknown field `");
-    let belongs = unknown.and_then(|(place, rest)| {
-        let (name, _) = rest.split_once('`')?;
-        if let Some(limit) = limits::of_word(name) {
-            return Some(format!("{place}`{name}`: {limit}"));
-        }
-        let table = field(name)?.table?;
-        Some(format!("{place}`{name}` belongs to `{table}`; write {table} = {{ {name} = .. }}"))
-    });
-    belongs.map_or(error, Error::input)
+/// The member that is drawn: under the first rule the one with this r, or else with the middle one.
+fn drawn(members: &[Member], draw_r: Option<f64>) -> Reading<&Member> {
+    let first: Vec<_> =
+        members.iter().filter(|member| member.rule() == members[0].rule()).collect();
+    let Some(r) = draw_r else { return Ok(first[first.len() / 2]) };
+    first.into_iter().find(|member| member.r() == Some(r)).ok_or_else(|| {
+        Refused::new("draw_r", format!("`draw_r` = {r} is not among `r`; add it there"))
+    })
 }
 
 /// The statement with what a published table has in place of the usual.
 fn of_the_tables(usual: Statement) -> Statement {
-    let r = PAPERS_R[PAPERS_R.len() / 2];
-    let saddle = SaddleSettings { r, stop: StopRule::Signed, ..SaddleSettings::default() };
+    let saddle = SaddleSettings { stop: StopRule::Signed, ..SaddleSettings::default() };
     let solver = Solver::ArrowHurwicz;
     Statement { solver, load: Some(LoadRule::default()), saddle: Some(saddle), ..usual }
 }

@@ -34,10 +34,13 @@ fn lists_of_rules_and_r_are_vary_written_short() {
     assert_eq!((short.is_study, long.is_study), (false, true));
     assert_eq!(short.study, long.study);
     assert_eq!(short.drawn(Some(StopRule::Printed)), &short.study.members[3]);
+    let product = "r = [1, 10]\nvary = { friction = [1, 2] }\n";
+    let product = Scene::parse("s", &format!("{method}{product}")).unwrap().study;
+    assert_eq!((product.names, product.members.len()), (vec!["friction".into(), "r".into()], 4));
     for list in ["r = []\n", "stop = []\n"] {
         for vary in ["", "vary = { friction = [1, 2] }\n"] {
             let refused = Scene::parse("s", &format!("{method}{list}{vary}")).unwrap_err();
-            assert!(refused.to_string().contains("must not be empty"), "{list}");
+            assert!(refused.to_string().contains("has no values"), "{list}");
         }
     }
 }

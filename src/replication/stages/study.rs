@@ -62,7 +62,10 @@ pub(super) fn chart(scene: &Scene, inputs: &Inputs) -> Result<Picture, String> {
     }
     let curves =
         curves.into_iter().map(|(label, points)| Curve::new(Stroke::Marked, label, points));
-    let names = axes.columns.each_ref().map(|column| in_words(column));
+    let names = axes.columns.each_ref().map(|column| match column.as_str() {
+        "r" => "duality parameter r".to_owned(),
+        column => in_words(column),
+    });
     let scales = axes.log.map(|log| if log { Scale::Logarithmic } else { Scale::Linear });
     let chart = Chart::new(title, names.each_ref().map(String::as_str), curves.collect());
     let chart = chart.scaled(scales);

@@ -169,7 +169,8 @@ impl Tabulated {
         let all = all.collect::<Result<Vec<Numbers>, _>>()?;
         let (table, given) = match self.form {
             TableForm::Members => (study.table(&all), study.names.len()),
-            TableForm::Counts => (table_of_counts(&study.members, &all), 0),
+            // The rule and r are as they are given.
+            TableForm::Counts => (table_of_counts(&study.members, &all), 2),
             TableForm::Levels => (table_of_levels(&all[0].levels()), 0),
         };
         let counted = Study::counted(&table, &all);

@@ -253,10 +253,22 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
     Ok(extended(scene, more))
 }
 
-/// Returns the command that solves a scene and draws its map.
+/// Returns the command that solves a scene and draws its map, in lines for half a page, each option with its value on
+/// one.
 fn picture_command(scene: &Scene) -> String {
-    let words = write::command(&scene.statement)[1..].join(" ");
-    format!("cargo run --release -- {words} --map --out target/{}.svg", scene.name)
+    /// Most characters of a line, unless an option alone has more.
+    const MOST: usize = 46;
+    let out = format!("--out target/{}.svg", scene.name);
+    let words = write::command(&scene.statement).split_off(1).into_iter();
+    let (mut text, mut taken) = ("cargo run --release --".to_owned(), 22);
+    for word in words.chain(["--map".to_owned(), out]) {
+        let length = word.chars().count();
+        let is_new = taken + 1 + length > MOST;
+        text += if is_new { " \\\n  " } else { " " };
+        text += &word;
+        taken = if is_new { 2 + length } else { taken + 1 + length };
+    }
+    text
 }
 
 /// Returns all figures by their names: the file in the book's folder `figures`, and the path in the book of its data,
