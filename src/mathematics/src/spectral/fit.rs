@@ -14,8 +14,9 @@ use super::setup::{Level, Setup};
 use crate::problem::complex::Complex;
 use crate::spectral::fit::least_squares::Columns;
 use crate::spectral::functions::lanes::TOGETHER;
-use crate::spectral::geometry::boundary::{RingContact, State, Walk};
+use crate::spectral::geometry::boundary::{State, Walk};
 use crate::spectral::geometry::panels::{GaussNode, PlanePanel, Spot, gauss};
+use crate::spectral::geometry::ring::RingContact;
 use std::f64::consts::TAU;
 
 /// A contact set with the functions fitted to it.
@@ -167,7 +168,7 @@ const ROWS: f64 = 2.5;
 
 impl Fit {
     pub(in crate::spectral) fn new(setup: &Setup, contact: &[RingContact], level: &Level) -> Self {
-        let mut walk = Walk::new(&setup.rings, contact, &setup.jumps.crossings);
+        let mut walk = Walk::new(&setup.domain.rings, contact, &setup.jumps.crossings);
         setup.set_f(&mut walk);
         let mut functions = Functions::chosen(setup, &walk, level);
         let (rule, mut fineness) = (gauss(level.nodes), 1.0);

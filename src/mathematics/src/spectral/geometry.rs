@@ -7,10 +7,11 @@
 pub(super) mod boundary;
 pub(super) mod curve;
 pub(super) mod domain;
+pub(super) mod frame;
 pub(super) mod images;
-pub(super) mod origin;
 pub(super) mod outline;
 pub(super) mod panels;
 #[cfg(test)]
 pub(super) mod polygons;
+pub(super) mod ring;
 pub(super) mod way_out;

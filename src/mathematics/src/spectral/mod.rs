@@ -20,7 +20,7 @@
 //! proved between points too (`proof`).
 //!
 //! # Rooms
-//! `geometry`, `source` (f with psi), `functions`, `fit`, `contact`, `proof`. `on_mesh` makes a `problem` of a mesh,
+//! `geometry`, `source` (f with psi), `functions`, `fit`, `contact`, `proof`. `problem` is made of one on a mesh,
 //! `setup` has what does not depend on the contact set, `solution` solves on one connected domain, `truth` on all.
 //!
 //! # Limits
@@ -39,7 +39,6 @@ mod elementary;
 mod fit;
 mod functions;
 mod geometry;
-mod on_mesh;
 mod problem;
 mod proof;
 mod setup;

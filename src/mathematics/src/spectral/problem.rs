@@ -1,16 +1,16 @@
-//! A problem on a domain in the plane, and the contact set with which its solution begins; and coordinates
-//! in which a domain lies near the origin and has about unit size, so that lengths can be compared with fixed small
-//! numbers.
+//! A problem on a domain in the plane, made of one on a mesh.
 
-use crate::problem::complex::Complex;
+use crate::mesh::{PlaneMesh, boundary_curves};
+use crate::problem::exact::{Exact, Known};
 use crate::problem::law::Law;
 use crate::problem::source::Source;
-use crate::spectral::geometry::curve::{Arc, Curve};
-use crate::spectral::geometry::domain::{PlaneDomain, PlaneSide, SidePlace};
-use crate::spectral::geometry::origin::pieces_seen;
-use crate::spectral::source::{PlaneSource, RegionBorder, Regions};
+use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
+use crate::spectral::geometry::frame::Frame;
+use crate::spectral::geometry::outline::outline;
+use crate::spectral::source::polynomial::Polynomial;
+use crate::spectral::source::{PlaneSource, regions};
 
-/// Problem on a domain of the plane.
+/// Problem on a domain of the plane, all in the coordinates of its frame.
 #[derive(Clone, Debug)]
 pub(crate) struct PlaneProblem {
     /// The domain.
@@ -21,92 +21,58 @@ pub(crate) struct PlaneProblem {
     pub source: PlaneSource,
 }
 
-/// Contact set with which Newton's method begins, loop by loop.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct PlaneStart {
-    /// Arcs that stick, loop by loop.
-    pub loops: Vec<LoopStart>,
-    /// Length of the edges of the mesh that it is from: arcs and gaps of one or two are left out.
-    pub spacing: f64,
+impl PlaneProblem {
+    /// The problem on the domain of a mesh.
+    ///
+    /// # Errors
+    /// [`PlaneError`] if the boundary is neither straight nor on the circles of its parts, or f is of a kind that is
+    /// not served.
+    pub(in crate::spectral) fn on_mesh(
+        mesh: &PlaneMesh,
+        f: &[Source],
+        law: Law,
+    ) -> Result<Self, PlaneError> {
+        let frame = Frame::of(mesh, f);
+        let seen = frame.mesh(mesh);
+        let circles: Vec<_> = seen.parts().iter().map(|part| part.curve).collect();
+        let mut loops = Vec::new();
+        for curve in boundary_curves(&seen) {
+            loops.push(outline(&curve, &circles, frame)?);
+        }
+        let parts = mesh.parts().iter().map(|part| part.names.clone()).collect();
+        let domain = PlaneDomain { parts, ..PlaneDomain::seen(frame, loops)? };
+        f.iter().try_for_each(|f| frame.check(f, domain.diameter()))?;
+        let source = source(&seen, f, &domain)?;
+        Ok(Self { domain, law: frame.law(law), source })
+    }
 }
 
-/// Arcs of a loop that stick. What it says of fixed and free sides is not read.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct LoopStart {
-    /// Beginning and end of each arc in walking order.
-    pub arcs: Vec<[SidePlace; 2]>,
-    /// Flux dv/dn on the gap after each arc, an end of the law. Without arcs: none if all of the loop sticks, one if
-    /// nothing does.
-    pub gaps: Vec<f64>,
-}
-
-/// Coordinates `z / unit`. There v is smaller by the square of the unit, dv/dn by the unit, the energy by its fourth
-/// power.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct Frame {
-    /// A power of two, so that no digit changes.
-    pub unit: f64,
-}
-
-impl Frame {
-    /// Frame in which a domain has about unit size.
-    pub(in crate::spectral) fn of(domain: &PlaneDomain) -> Self {
-        Self { unit: domain.unit() }
-    }
-
-    pub(in crate::spectral) fn seen(self, [x, y]: [f64; 2]) -> Complex {
-        Complex::new(x, y).scaled(1.0 / self.unit)
-    }
-
-    fn side(self, side: &PlaneSide) -> PlaneSide {
-        let Arc { curve, span, ends } = side.arc;
-        let curve = Curve {
-            origin: self.seen(curve.origin.coordinates()),
-            curvature: curve.curvature * self.unit,
-            ..curve
-        };
-        PlaneSide { arc: Arc { curve, span: span.map(|s| s / self.unit), ends }, ..*side }
-    }
-
-    /// Constant pieces in these coordinates.
-    fn pieces(self, f: &Source) -> Source {
-        pieces_seen(f, [0.0; 2], self.unit)
-    }
-
-    /// The problem in these coordinates.
-    pub(in crate::spectral) fn problem(self, problem: &PlaneProblem) -> PlaneProblem {
-        let loops = problem.domain.loops.iter();
-        let domain = PlaneDomain {
-            loops: loops.map(|sides| sides.iter().map(|side| self.side(side)).collect()).collect(),
-        };
-        let [lo, hi] = [problem.law.lo(), problem.law.hi()].map(|end| end / self.unit);
-        let law = Law::new(lo, hi).expect("the ends keep their order");
-        let source = match &problem.source {
-            PlaneSource::Pieces(f) => PlaneSource::Pieces(self.pieces(f)),
-            PlaneSource::Polynomial(f) => PlaneSource::Polynomial(f.clone()),
-            PlaneSource::Regions(Regions { borders, pieces }) => {
-                let borders = borders.iter();
-                let borders = borders.map(|b| RegionBorder { side: self.side(&b.side), ..*b });
-                PlaneSource::Regions(Regions {
-                    borders: borders.collect(),
-                    pieces: pieces.iter().map(|f| self.pieces(f)).collect(),
-                })
+/// Returns f as the solver takes it, on a mesh in the coordinates of a domain.
+fn source(mesh: &PlaneMesh, f: &[Source], domain: &PlaneDomain) -> Result<PlaneSource, PlaneError> {
+    let frame = domain.frame;
+    let mut in_use = mesh.regions().to_vec();
+    in_use.sort_unstable();
+    in_use.dedup();
+    let first = &f[usize::from(in_use[0])];
+    if in_use.iter().all(|&region| f[usize::from(region)] == *first) {
+        if !first.is_smooth() {
+            return Ok(PlaneSource::Pieces(frame.pieces(first)));
+        }
+        return match first {
+            Source::Formula(formula) => {
+                Ok(PlaneSource::Polynomial(Polynomial::of_formula(formula, domain)?))
             }
+            Source::Exact(Known::Square(Exact::Torsion)) => {
+                let constant = Source::constant(first.at([0.0; 2]));
+                Ok(PlaneSource::Pieces(frame.pieces(&constant)))
+            }
+            _ => Err(PlaneError::Source("f is no polynomial in x and y".into())),
         };
-        PlaneProblem { domain, law, source }
     }
-
-    /// Place on a side in these coordinates.
-    pub(in crate::spectral) fn place(self, SidePlace { side, s }: SidePlace) -> SidePlace {
-        SidePlace { side, s: s / self.unit }
+    if in_use.iter().any(|&region| f[usize::from(region)].is_smooth()) {
+        let text = "f has a formula on one region beside another f on the next".into();
+        return Err(PlaneError::Source(text));
     }
-
-    /// The start in these coordinates.
-    pub(in crate::spectral) fn start(self, start: &PlaneStart) -> PlaneStart {
-        let loops = start.loops.iter().map(|own| LoopStart {
-            arcs: own.arcs.iter().map(|ends| ends.map(|place| self.place(place))).collect(),
-            gaps: own.gaps.iter().map(|flux| flux / self.unit).collect(),
-        });
-        PlaneStart { loops: loops.collect(), spacing: start.spacing / self.unit }
-    }
+    let pieces: Vec<Source> = f.iter().map(|f| frame.pieces(f)).collect();
+    Ok(PlaneSource::Regions(regions(mesh, pieces, frame)?))
 }

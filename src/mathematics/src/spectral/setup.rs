@@ -2,7 +2,7 @@
 
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
-use crate::spectral::geometry::boundary::{PlaneRing, Walk};
+use crate::spectral::geometry::boundary::Walk;
 use crate::spectral::geometry::curve::beside;
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
 use crate::spectral::geometry::images::{Image, MedialDisc, images, medial_discs};
@@ -13,7 +13,6 @@ use crate::spectral::source::jumps::PlaneJumps;
 pub(in crate::spectral) struct Setup {
     pub domain: PlaneDomain,
     pub law: Law,
-    pub rings: Vec<PlaneRing>,
     pub jumps: PlaneJumps,
     pub images: Vec<Image>,
     /// Middle of the box round the domain.
@@ -121,7 +120,6 @@ impl Setup {
         let diameter = domain.diameter();
         Ok(Self {
             images: images(domain, &jumps.singular, diameter),
-            rings: domain.loops.iter().map(|sides| PlaneRing::new(sides)).collect(),
             centre: domain.centre(),
             perimeter: domain.perimeter(),
             domain: domain.clone(),
@@ -134,7 +132,7 @@ impl Setup {
 
     /// Sets f beside the intervals of a walk: on each loop from f beside the interval that is farthest from jumps.
     pub(in crate::spectral) fn set_f(&self, walk: &mut Walk) {
-        for ring in 0..self.rings.len() {
+        for ring in 0..self.domain.rings.len() {
             let mut farthest = (-1.0, 0, Complex::default());
             for (k, own) in walk.intervals.iter().enumerate().filter(|(_, own)| own.ring == ring) {
                 let spot = walk.spot(k, 0, 0.4142 * own.length, 0.0);

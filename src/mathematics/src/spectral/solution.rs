@@ -1,17 +1,25 @@
 //! True solution on one connected domain of the plane: solved, bounded, and evaluated at points.
 
-use super::contact::ends::{PlaneArc, arcs};
+use super::contact::ends::arcs;
 use super::contact::search::{self, PlaneFound};
+use super::contact::start::PlaneStart;
 use super::fit::Effort;
 use super::fit::field::{self, share};
 use super::geometry::domain::{PlaneError, SidePlace};
 use super::geometry::panels::Spot;
-
-use super::problem::{Frame, PlaneProblem, PlaneStart};
-use super::proof::{self, PlaneBracket};
+use super::problem::PlaneProblem;
+use super::proof;
 use super::setup::Setup;
-use crate::problem::text::plain;
+use super::truth::TrueSolution;
+use crate::mesh::Condition;
+use crate::problem::complex::Complex;
+use crate::problem::text::{percent, plain};
 use std::fmt;
+
+/// Distance of the bounds, over the energy, from which on they are wide.
+const WIDE: f64 = 1e-6;
+/// Distances from corners, over the length of the side, at which v, and its derivatives, are taken for them.
+const BESIDE: [f64; 2] = [1e-15, 1e-6];
 
 /// Conditions that must hold of a solution and were not used to find it.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -28,27 +36,8 @@ pub struct PlaneChecks {
     pub bracket: Option<f64>,
 }
 
-/// True solution.
-pub(crate) struct PlaneSolution {
-    /// J(v).
-    pub energy: f64,
-    /// Bounds of the energy, or the step of their proof that does not apply.
-    pub bracket: Result<PlaneBracket, &'static str>,
-    /// Arcs that stick, loop by loop in walking order.
-    pub arcs: Vec<PlaneArc>,
-    /// Integral of dv/dn over the parts where the law holds.
-    pub force: f64,
-    /// Integral of f over the domain.
-    pub integral: f64,
-    /// Size of the integral of dv/dn over the boundary plus that of f.
-    pub unbalanced: f64,
-    /// Checks.
-    pub checks: PlaneChecks,
-    /// Real unknowns of the last fit.
-    pub unknowns: usize,
-    /// Fits on all levels.
-    pub steps: usize,
-    frame: Frame,
+/// Solution on a connected domain, evaluated at points of the plane.
+pub(super) struct PlaneSolution {
     setup: Setup,
     found: PlaneFound,
 }
@@ -90,12 +79,11 @@ pub(super) fn solve(
     problem: &PlaneProblem,
     start: &PlaneStart,
     effort: &mut Effort,
-) -> Result<PlaneSolution, PlaneError> {
+) -> Result<TrueSolution, PlaneError> {
     /// Distance of bounds over the energy.
     const NINE_DIGITS: f64 = 1e-9;
-    let frame = Frame::of(&problem.domain);
-    let setup = Setup::new(&frame.problem(problem))?;
-    let mut found = search::search(&setup, &frame.start(start), effort)?;
+    let setup = Setup::new(problem)?;
+    let mut found = search::search(&setup, start, effort)?;
     let mut bracket = proof::bracket(&setup, &found);
     if let Ok(wide) = bracket
         && wide.relative() > NINE_DIGITS
@@ -125,7 +113,7 @@ pub(super) fn solve(
                 .into(),
         ));
     }
-    let PlaneFound { sizes, signs, fit, nodes, .. } = &found;
+    let PlaneFound { sizes, signs, fit, nodes, steps, .. } = &found;
     let size = sizes.force.abs().max(sizes.flux * setup.perimeter);
     let checks = PlaneChecks {
         residual: share(sizes.residual, sizes.value),
@@ -134,64 +122,109 @@ pub(super) fn solve(
         sign: signs.value,
         bracket: bracket.ok().map(|bracket| bracket.relative()),
     };
-    let square = frame.unit * frame.unit;
-    let force: f64 =
-        nodes.iter().filter(|node| node.lawful).map(|node| node.spot.weight * node.flux).sum();
-    Ok(PlaneSolution {
-        energy: square * square * energy,
-        bracket: bracket.map(|own| own.scaled(square * square)),
-        arcs: arcs(&problem.domain, frame, &setup, &found),
-        force: square * force,
-        integral: square * (sizes.balance - sizes.force),
-        unbalanced: square * sizes.balance.abs(),
-        checks,
+    let mut notes = Vec::new();
+    if let Ok(own) = bracket
+        && own.relative() > WIDE
+        && energy != 0.0
+    {
+        let (share, cause) = (percent(own.relative(), 2), own.cause);
+        notes.push(format!("the bounds of the energy are {share} of it apart: mostly {cause}"));
+    }
+    let lawful = nodes.iter().filter(|node| node.lawful);
+    let force: f64 = lawful.map(|node| node.spot.weight * node.flux).sum();
+    let unit = setup.domain.frame.of_value();
+    Ok(TrueSolution {
+        energy: unit * unit * energy,
+        bracket: bracket.map(|own| own.ends().map(|end| unit * unit * end)),
+        contact: arcs(&setup, &found),
+        force: unit * force,
+        integral: unit * (sizes.balance - sizes.force),
+        unbalanced: unit * sizes.balance.abs(),
         unknowns: fit.unknowns,
-        steps: found.steps,
-        frame,
-        setup,
-        found,
+        steps: *steps,
+        checks,
+        notes,
+        components: vec![PlaneSolution { setup, found }],
     })
 }
 
 impl PlaneSolution {
-    /// Its numbers for another unit of f, of dv/dn and of v; values at points stay in that of the problem.
-    pub(super) fn in_unit(self, height: f64) -> Self {
-        Self {
-            energy: height * height * self.energy,
-            bracket: self.bracket.map(|own| own.scaled(height * height)),
-            force: height * self.force,
-            integral: height * self.integral,
-            unbalanced: height * self.unbalanced,
-            ..self
-        }
+    fn seen(&self, point: [f64; 2]) -> Complex {
+        self.setup.domain.frame.seen(point)
     }
 
-    /// v at a point of the closed domain.
-    pub(crate) fn value(&self, point: [f64; 2]) -> f64 {
-        self.values(&[point])[0]
+    /// Distance of a point from the domain, in the coordinates of its frame.
+    pub(super) fn distance(&self, point: [f64; 2]) -> f64 {
+        let (domain, z) = (&self.setup.domain, self.seen(point));
+        domain.frame.unit * if domain.holds(z) { 0.0 } else { domain.distance(z) }
     }
 
-    /// v at many points.
-    pub(crate) fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
-        let spots: Vec<Spot> =
-            points.iter().map(|&point| Spot::inside(self.frame.seen(point))).collect();
+    /// v at points of the closed domain.
+    pub(super) fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
+        let spots: Vec<Spot> = points.iter().map(|&z| Spot::inside(self.seen(z))).collect();
         let [g, _] = self.found.fit.at(&spots, false);
-        let square = self.frame.unit * self.frame.unit;
-        let psi = &self.setup.jumps.psi;
-        spots.iter().zip(g).map(|(spot, g)| square * (psi.value(spot.z) + g.re)).collect()
+        let (psi, unit) = (&self.setup.jumps.psi, self.setup.domain.frame.of_value());
+        spots.iter().zip(g).map(|(spot, g)| unit * (psi.value(spot.z) + g.re)).collect()
     }
 
-    /// Gradient of v at a point of the domain.
-    pub(crate) fn gradient(&self, point: [f64; 2]) -> [f64; 2] {
-        let spots = [Spot::inside(self.frame.seen(point))];
-        let [_, slopes] = self.found.fit.at(&spots, true);
-        let psi = self.setup.jumps.psi.gradients(&[spots[0].z])[0];
-        (psi + slopes[0].conj()).scaled(self.frame.unit).coordinates()
+    /// v and its gradient at a point of the closed domain; in a corner, where the gradient may be infinite, that a
+    /// little beside it; none outside of the domain.
+    pub(super) fn at(&self, point: [f64; 2]) -> Option<(f64, [f64; 2])> {
+        let (domain, mut z) = (&self.setup.domain, self.seen(point));
+        let size = libm::hypot(point[0], point[1]) / domain.frame.unit;
+        // Coordinates of points of the boundary are rounded.
+        let value = match domain.distance(z) {
+            away if away <= 8.0 * f64::EPSILON * (domain.diameter() + size) => {
+                let (ring, place) = domain.nearest(z);
+                let beside = self.beside_corners(ring, place, BESIDE[1]);
+                z = domain.rings[ring].sides[beside.side].point(beside.s);
+                self.on_boundary(point)[0]
+            }
+            _ if domain.holds(z) => self.values(&[point])[0],
+            _ => return None,
+        };
+        let [_, slopes] = self.found.fit.at(&[Spot::inside(z)], true);
+        let gradient = self.setup.jumps.psi.gradients(&[z])[0] + slopes[0].conj();
+        Some((value, gradient.scaled(domain.frame.of_flux()).coordinates()))
     }
 
-    /// v and dv/dn at a point of the boundary.
-    pub(crate) fn on_boundary(&self, ring: usize, place: SidePlace) -> [f64; 2] {
-        let (walk, place) = (&self.found.fit.walk, self.frame.place(place));
+    /// Place no nearer to the ends of its side than this part of it.
+    fn beside_corners(
+        &self,
+        ring: usize,
+        SidePlace { side, s }: SidePlace,
+        part: f64,
+    ) -> SidePlace {
+        let length = self.setup.domain.rings[ring].sides[side].length();
+        SidePlace { side, s: s.clamp(part * length, (1.0 - part) * length) }
+    }
+
+    /// v and dv/dn at the point of the boundary nearest to this one; dv/dn, which may be infinite in a corner, a little
+    /// beside it.
+    pub(super) fn on_boundary(&self, point: [f64; 2]) -> [f64; 2] {
+        let domain = &self.setup.domain;
+        let (ring, place) = domain.nearest(self.seen(point));
+        let own = &domain.rings[ring];
+        let [[value, _], [_, flux]] =
+            BESIDE.map(|part| self.found_at(ring, self.beside_corners(ring, place, part)));
+        // On one of both sides of each condition the number is known without error.
+        let (law, contact) = (self.setup.law, &self.found.contact[ring]);
+        let [value, flux] = match own.sides[place.side].condition {
+            Condition::Fixed => [0.0, flux],
+            Condition::Free => [value, 0.0],
+            Condition::Contact if contact.flux(own.along(place), own.length()).is_none() => {
+                [0.0, law.project(flux)]
+            }
+            Condition::Contact if value < 0.0 && law.hi().is_finite() => [value, law.hi()],
+            Condition::Contact if law.lo().is_finite() => [value, law.lo()],
+            Condition::Contact => [value, law.hi()],
+        };
+        [domain.frame.of_value() * value, domain.frame.of_flux() * flux]
+    }
+
+    /// v and dv/dn as they were found, at a place of a loop in the coordinates of the frame.
+    fn found_at(&self, ring: usize, place: SidePlace) -> [f64; 2] {
+        let walk = &self.found.fit.walk;
         let mut nearest = (f64::INFINITY, 0);
         for (k, own) in walk.intervals.iter().enumerate() {
             if own.ring == ring && own.side == place.side {
@@ -209,7 +242,7 @@ impl PlaneSolution {
             false => walk.spot(nearest.1, 1, own.length - after, 0.0),
         };
         let node = &field::nodes_at(&self.setup, &self.found.fit, &[spot])[0];
-        [self.frame.unit * self.frame.unit * node.value, self.frame.unit * node.flux]
+        [node.value, node.flux]
     }
 }
 

@@ -24,6 +24,7 @@ use crate::mesh::PlaneMesh;
 use crate::problem::complex::Complex;
 use crate::problem::source::Source;
 use crate::spectral::geometry::domain::{PlaneError, PlaneSide, directions, ray_hits};
+use crate::spectral::geometry::frame::Frame;
 use crate::spectral::geometry::outline::{MeshOutline, OutlineEdge};
 use polynomial::Polynomial;
 use std::collections::BTreeMap;
@@ -90,13 +91,14 @@ impl Regions {
     }
 }
 
-/// Returns f with these pieces on the regions of a mesh.
+/// Returns f with these pieces on the regions of a mesh, all in the coordinates of a frame.
 ///
 /// # Errors
 /// [`PlaneError::Domain`] if a border bends by too little for a corner.
 pub(in crate::spectral) fn regions(
     mesh: &PlaneMesh,
     pieces: Vec<Source>,
+    frame: Frame,
 ) -> Result<Regions, PlaneError> {
     // Regions with the same f are one.
     let first = pieces.iter().map(|f| pieces.iter().position(|other| other == f));
@@ -117,7 +119,7 @@ pub(in crate::spectral) fn regions(
         let points = nodes.iter().map(|&node| mesh.points()[node as usize]);
         let points: Vec<_> = points.map(|[x, y]| Complex::new(x, y)).collect();
         let edges = vec![OutlineEdge::default(); points.len() - 1];
-        let sides = MeshOutline::new(points, edges).sides()?;
+        let sides = MeshOutline::new(points, edges, frame).sides()?;
         borders.extend(sides.into_iter().map(|side| RegionBorder { side, regions }));
     }
     Ok(Regions { borders, pieces })

@@ -1,13 +1,21 @@
 //! True solution on all connected components of a domain.
 
+use super::contact::start::DiscreteStart;
+use super::fit::Effort;
+use super::problem::PlaneProblem;
+use super::solution::{PlaneChecks, PlaneSolution, solve};
 use crate::discrete::contact::ContactArc;
-use crate::mesh::PlaneMesh;
+use crate::mesh::{BuiltIn, PlaneMesh};
 use crate::problem::law::Law;
 use crate::problem::source::Source;
-use crate::spectral::geometry::domain::PlaneError;
-use crate::spectral::on_mesh::{PlaneTruth, check_on_mesh, solve_on_mesh, solve_on_square};
-use crate::spectral::solution::PlaneChecks;
+use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
 use crate::square::load::integral;
+
+/// Nodes, at most, of the meshes whose solutions are starts in turn, on a domain with at most so many sides.
+const STARTS: [f64; 2] = [6e3, 6e4];
+const SIDES: f64 = 20.0;
+/// Cells per side of the grids whose solutions are starts in turn on the square.
+const GRIDS: [usize; 2] = [64, 256];
 
 /// True solution.
 pub struct TrueSolution {
@@ -32,20 +40,20 @@ pub struct TrueSolution {
     /// Remarks on f, and on bounds that are wide.
     pub notes: Vec<String>,
     /// Solution on each connected component.
-    components: Vec<PlaneTruth>,
+    pub(super) components: Vec<PlaneSolution>,
 }
 
-/// Solves the problem on the square.
+/// Solves the problem on the square, whose boundary has no parts.
 ///
 /// # Errors
 /// [`PlaneError`].
 pub(crate) fn true_solution_on_square(f: &Source, law: Law) -> Result<TrueSolution, PlaneError> {
-    let (mesh, truth) = solve_on_square(f, law)?;
-    let mut found = TrueSolution::of(vec![truth], &mesh);
-    found.integral = integral(f);
-    // The boundary of the square has no parts.
-    found.contact.iter_mut().for_each(|arc| arc.part = None);
-    Ok(found)
+    let mesh = BuiltIn::Square.plane().expect("the square lies in the plane");
+    let problem = PlaneProblem::on_mesh(&mesh, std::slice::from_ref(f), law)?;
+    let domain = PlaneDomain { parts: Vec::new(), ..problem.domain };
+    let starts = GRIDS.into_iter().filter_map(|cells| DiscreteStart::on_square(cells, f, law));
+    let found = solved(&PlaneProblem { domain, ..problem }, starts)?;
+    Ok(TrueSolution { integral: integral(f), ..found })
 }
 
 /// Solves the problem on the domain of a mesh in the plane, whose boundary is straight or lies on the circles of its
@@ -58,11 +66,19 @@ pub(crate) fn true_solution_on(
     f: &[Source],
     law: Law,
 ) -> Result<TrueSolution, PlaneError> {
-    let mut components = Vec::new();
+    let mut all: Option<TrueSolution> = None;
     for component in mesh.split() {
-        components.push(solve_on_mesh(&component, f, law)?);
+        let problem = PlaneProblem::on_mesh(&component, f, law)?;
+        let sides = problem.domain.sides().filter(|side| !side.is_after_bend).count() as f64;
+        // Short sides want short edges.
+        let most_nodes = STARTS.map(|nodes| nodes * (sides / SIDES).max(1.0).powi(2));
+        let starts = most_nodes
+            .into_iter()
+            .filter_map(|most| DiscreteStart::on_mesh(&component, f, law, most));
+        let own = solved(&problem, starts)?;
+        all = Some(if let Some(before) = all { before.with(own) } else { own });
     }
-    Ok(TrueSolution::of(components, mesh))
+    Ok(all.expect("a mesh has a component"))
 }
 
 /// Checks that [`true_solution_on`] takes the domain of a mesh, and f.
@@ -70,37 +86,50 @@ pub(crate) fn true_solution_on(
 /// # Errors
 /// [`PlaneError`].
 pub(crate) fn check_plane(mesh: &PlaneMesh, f: &[Source], law: Law) -> Result<(), PlaneError> {
-    mesh.split().iter().try_for_each(|component| check_on_mesh(component, f, law))
+    mesh.split()
+        .iter()
+        .try_for_each(|component| PlaneProblem::on_mesh(component, f, law).map(|_| ()))
+}
+
+/// Solves a problem from the contact sets of discrete solutions in turn.
+fn solved(
+    problem: &PlaneProblem,
+    starts: impl Iterator<Item = DiscreteStart>,
+) -> Result<TrueSolution, PlaneError> {
+    let mut error = PlaneError::NotFound("multigrid found no solution to begin with".into());
+    let mut effort = Effort::default();
+    for start in starts {
+        match solve(problem, &start.seen(problem), &mut effort) {
+            Err(failed) => error = failed,
+            found => return found,
+        }
+    }
+    Err(error)
 }
 
 impl TrueSolution {
-    /// Solution on a mesh from those on its connected components.
-    fn of(components: Vec<PlaneTruth>, mesh: &PlaneMesh) -> Self {
-        let solutions = || components.iter().map(|truth| &truth.solution);
-        let bracket = solutions().try_fold([0.0; 2], |[low, high], own| {
-            let [lower, upper] = own.bracket?.ends();
-            Ok([low + lower, high + upper])
-        });
-        let mut notes: Vec<String> = components.iter().flat_map(PlaneTruth::notes).collect();
+    /// Solution on the components of this one and those of another.
+    fn with(self, other: Self) -> Self {
+        let both = self.bracket.and_then(|own| Ok((own, other.bracket?)));
+        let mut notes = [self.notes, other.notes].concat();
         notes.dedup();
-        let checks = solutions().map(|own| own.checks).reduce(PlaneChecks::worst);
         Self {
-            energy: solutions().map(|own| own.energy).sum(),
-            bracket,
-            contact: components.iter().flat_map(|truth| truth.contact(mesh)).collect(),
-            force: solutions().map(|own| own.force).sum(),
-            integral: solutions().map(|own| own.integral).sum(),
-            unbalanced: solutions().map(|own| own.unbalanced).sum(),
-            unknowns: solutions().map(|own| own.unknowns).sum(),
-            steps: solutions().map(|own| own.steps).sum(),
-            checks: checks.expect("a mesh has a component"),
+            energy: self.energy + other.energy,
+            bracket: both.map(|([low, high], [lower, upper])| [low + lower, high + upper]),
+            contact: [self.contact, other.contact].concat(),
+            force: self.force + other.force,
+            integral: self.integral + other.integral,
+            unbalanced: self.unbalanced + other.unbalanced,
+            unknowns: self.unknowns + other.unknowns,
+            steps: self.steps + other.steps,
+            checks: self.checks.worst(other.checks),
             notes,
-            components,
+            components: self.components.into_iter().chain(other.components).collect(),
         }
     }
 
     /// Solution on the component that holds a point, or is nearest to it.
-    fn nearest(&self, point: [f64; 2]) -> &PlaneTruth {
+    fn nearest(&self, point: [f64; 2]) -> &PlaneSolution {
         let components = self.components.iter();
         let nearest = components.min_by(|a, b| a.distance(point).total_cmp(&b.distance(point)));
         nearest.expect("a mesh has a component")
@@ -109,14 +138,16 @@ impl TrueSolution {
     /// v at points of the domain and its boundary.
     pub fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
         match &self.components[..] {
-            [truth] => truth.values(points),
+            [own] => own.values(points),
             _ => points.iter().map(|&z| self.nearest(z).values(&[z])[0]).collect(),
         }
     }
 
-    /// v and its gradient at a point; none outside of the domain.
+    /// v and its gradient at a point; none outside of the domain. In a corner, where the gradient may be infinite, that
+    /// a little beside it.
     pub fn at(&self, point: &[f64]) -> Option<(f64, [f64; 2])> {
-        self.components.iter().find_map(|truth| truth.at(point))
+        let &[x, y] = point else { return None };
+        self.components.iter().find_map(|own| own.at([x, y]))
     }
 
     /// v and dv/dn at the point of the boundary nearest to this one; dv/dn in a corner is that on one of its sides.

@@ -16,12 +16,12 @@
 mod tests;
 
 use super::search::PlaneFound;
+use crate::discrete::contact::ContactArc;
+use crate::mesh::{Condition, Names};
 use crate::problem::complex::Complex;
 use crate::spectral::fit::Fit;
 use crate::spectral::fit::field::PlaneNode;
 use crate::spectral::geometry::boundary::State;
-use crate::spectral::geometry::domain::{PlaneDomain, SidePlace};
-use crate::spectral::problem::Frame;
 use crate::spectral::setup::Setup;
 use std::f64::consts::PI;
 
@@ -165,52 +165,56 @@ impl PlaneFound {
     }
 }
 
-/// Arc of the boundary that sticks.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct PlaneArc {
-    /// Number of its loop.
-    pub ring: usize,
-    /// Beginning and end in walking order.
-    pub ends: [SidePlace; 2],
-    /// These places as points.
-    pub points: [[f64; 2]; 2],
-    /// Distances along the boundary within which the true ends lie, as [`ends`](super::ends) estimates them.
-    pub errors: [f64; 2],
-    /// True if it is all of the loop.
-    pub closed: bool,
-    /// Integral of dv/dn.
-    pub force: f64,
-}
-
-/// Arcs that stick, with forces.
-pub(in crate::spectral) fn arcs(
-    domain: &PlaneDomain,
-    frame: Frame,
-    setup: &Setup,
-    found: &PlaneFound,
-) -> Vec<PlaneArc> {
-    let (mut arcs, errors) = (Vec::new(), found.end_errors(setup));
-    for (r, ring) in setup.rings.iter().enumerate() {
-        let (turn, own) = (ring.length(), &found.contact[r]);
+/// Arcs that stick, each with its parts where the law holds: one that goes on over fixed and free sides ends at their
+/// corner. All is in the plane.
+pub(in crate::spectral) fn arcs(setup: &Setup, found: &PlaneFound) -> Vec<ContactArc> {
+    let (frame, mut arcs) = (setup.domain.frame, Vec::new());
+    let loops = setup.domain.rings.iter().zip(&found.contact).zip(found.end_errors(setup));
+    for (number, ((ring, own), errors)) in loops.enumerate() {
+        let (turn, sides, many) = (ring.length(), &ring.sides, ring.sides.len());
         let lawful: Vec<&PlaneNode> =
-            found.nodes.iter().filter(|node| node.ring == r && node.lawful).collect();
-        let closed = own.arcs.is_empty() && own.gaps.is_empty() && !lawful.is_empty();
-        let all = [0.0, turn];
-        let errors = errors[r].iter().chain(closed.then_some(&[0.0; 2]));
-        for (&[from, to], errors) in own.arcs.iter().chain(closed.then_some(&all)).zip(errors) {
+            found.nodes.iter().filter(|node| node.ring == number && node.lawful).collect();
+        let closed = own.arcs.is_empty() && own.gaps.is_empty();
+        let (all, none) = ([0.0, turn], [0.0; 2]);
+        let whole_loop = closed.then_some((&all, &none));
+        for (&[from, to], errors) in own.arcs.iter().zip(&errors).chain(whole_loop) {
             let inside = lawful.iter().filter(|node| (node.t - from).rem_euclid(turn) <= to - from);
             let force: f64 = inside.map(|node| node.spot.weight * node.flux).sum();
-            let ends = [from, to].map(|t| {
-                let SidePlace { side, s } = ring.place(t);
-                SidePlace { side, s: frame.unit * s }
-            });
-            arcs.push(PlaneArc {
-                ring: r,
-                ends,
-                points: ends.map(|place| domain.loops[r][place.side].at(place.s)),
-                errors: errors.map(|error| frame.unit * error),
+            let [first, last] = [from, to].map(|t| ring.place(t));
+            let count = match closed {
+                true => many,
+                // An arc that begins and ends on one side either stays on it or goes all the way round.
+                false if first.side == last.side && first.s > last.s => many + 1,
+                false => (last.side + many - first.side) % many + 1,
+            };
+            let along = (first.side..first.side + count).map(|side| side % many);
+            let along: Vec<usize> =
+                along.filter(|&side| sides[side].condition == Condition::Contact).collect();
+            let (Some(&begin), Some(&end)) = (along.first(), along.last()) else { continue };
+            let [mut start, mut stop] = [(0.0, 0.0), (sides[end].length(), 0.0)];
+            if begin == first.side {
+                start = (first.s, errors[0]);
+            }
+            if end == last.side && !closed {
+                stop = (last.s, errors[1]);
+            }
+            let points = match along.len() == many && closed {
+                true => [sides[begin].point(0.0); 2],
+                false => [sides[begin].point(start.0), sides[end].point(stop.0)],
+            };
+            let points = points.map(|z| frame.outside(z));
+            let rounding = points.map(|[x, y]| f64::EPSILON * (x.abs() + y.abs()));
+            let whole: f64 = along.iter().map(|&side| sides[side].length()).sum();
+            let length = whole - start.0 - (sides[end].length() - stop.0);
+            let names = along.iter().filter_map(|&side| setup.domain.parts.get(sides[side].part));
+            arcs.push(ContactArc {
                 closed,
-                force: frame.unit * frame.unit * force,
+                part: (!setup.domain.parts.is_empty()).then(|| Names::all(names)),
+                error: Some([
+                    frame.unit * start.1 + rounding[0],
+                    frame.unit * stop.1 + rounding[1],
+                ]),
+                ..ContactArc::new(points, frame.of_value() * force, frame.unit * length)
             });
         }
     }

@@ -6,7 +6,8 @@
 
 use crate::mesh::Condition;
 use crate::spectral::fit::{Effort, Fit};
-use crate::spectral::geometry::boundary::{RingContact, State};
+use crate::spectral::geometry::boundary::State;
+use crate::spectral::geometry::ring::RingContact;
 use crate::spectral::setup::{Level, Setup};
 use std::collections::HashMap;
 use std::ops::Range;
@@ -140,7 +141,7 @@ fn end_steps(setup: &Setup, contact: &[RingContact], fit: &Fit) -> Vec<EndStep> 
             _ => 1.0,
         };
         let ring = &contact[split.ring];
-        let turn = setup.rings[split.ring].length();
+        let turn = setup.domain.rings[split.ring].length();
         let [arc_length, gap] = around(ring, arc, which, turn);
         // Towards the free side.
         let wanted = match k1 * sign > 0.0 {
@@ -198,7 +199,7 @@ fn shrinking(setup: &Setup, contact: &[RingContact], moves: &[EndStep]) -> Vec<S
             own.gaps[(number + many - 1) % many] == own.gaps[number]
         };
         if is_left_out {
-            let lengths = around(own, m.arc, m.which, setup.rings[m.ring].length());
+            let lengths = around(own, m.arc, m.which, setup.domain.rings[m.ring].length());
             let length = lengths[usize::from(is_gap)];
             let [from, to] = own.arcs[number];
             let middle = if is_gap { to + 0.5 * length } else { 0.5 * (from + to) };
@@ -217,7 +218,7 @@ fn drop_short(setup: &Setup, contact: &mut [RingContact], shrinking: Vec<Shrinki
     for Shrinking { ring, middle, is_gap, .. } in
         shrinking.into_iter().filter(|own| own.length < longest)
     {
-        let (own, turn) = (&mut contact[ring], setup.rings[ring].length());
+        let (own, turn) = (&mut contact[ring], setup.domain.rings[ring].length());
         let many = own.arcs.len();
         let number = (0..many).find(|&k| {
             let [from, to] = own.arcs[k];
@@ -267,7 +268,7 @@ pub(in crate::spectral) fn remove(ring: &mut RingContact, number: usize, is_gap:
 /// Moves ends that lie in a corner, but for little, out of it; into it if the law ends there. An arc round a corner
 /// that is shorter than both moves stays.
 fn keep_off_corners(setup: &Setup, contact: &mut [RingContact]) {
-    for (own, ring) in contact.iter_mut().zip(&setup.rings) {
+    for (own, ring) in contact.iter_mut().zip(&setup.domain.rings) {
         let least = 1e-7 * setup.perimeter;
         let turn = ring.length();
         let arcs = own.arcs.iter_mut().filter(|[from, to]| to - from > 2.0 * least);

@@ -2,11 +2,11 @@
 
 use super::newton::{remove, settle};
 use super::signs::PlaneSigns;
+use super::start::PlaneStart;
 use crate::spectral::fit::field::{PlaneNode, Sizes, boundary_nodes, share};
 use crate::spectral::fit::{Effort, Fit};
-use crate::spectral::geometry::boundary::{PlaneRing, RingContact};
 use crate::spectral::geometry::domain::PlaneError;
-use crate::spectral::problem::PlaneStart;
+use crate::spectral::geometry::ring::{PlaneRing, RingContact};
 use crate::spectral::setup::{Level, Setup};
 
 /// Solution of one level with what is known of it.
@@ -175,18 +175,11 @@ const ACCEPTED: f64 = 2e-8;
 
 /// Contact set of a start, without arcs and gaps of one or two edges of its mesh.
 fn started(setup: &Setup, start: &PlaneStart) -> Vec<RingContact> {
-    let mut contact = Vec::with_capacity(setup.rings.len());
-    for (own, ring) in start.loops.iter().zip(&setup.rings) {
-        let turn = ring.length();
-        let arcs = own.arcs.iter().map(|arc| {
-            let [from, to] = arc.map(|place| ring.along(place));
-            [from, if to <= from { to + turn } else { to }]
-        });
-        let mut found = RingContact { arcs: arcs.collect(), gaps: own.gaps.clone() };
-        while let Some((number, is_gap)) = short(&found, ring, 1.5 * start.spacing) {
-            remove(&mut found, number, is_gap, turn);
+    let mut contact = start.contact.clone();
+    for (own, ring) in contact.iter_mut().zip(&setup.domain.rings) {
+        while let Some((number, is_gap)) = short(own, ring, 1.5 * start.spacing) {
+            remove(own, number, is_gap, ring.length());
         }
-        contact.push(found);
     }
     contact
 }

@@ -1,7 +1,8 @@
 //! Signs of v and of the flux on the boundary, and the contact set without those that are wrong.
 
 use crate::spectral::fit::field::{PlaneNode, Sizes};
-use crate::spectral::geometry::boundary::{RingContact, State};
+use crate::spectral::geometry::boundary::State;
+use crate::spectral::geometry::ring::RingContact;
 use crate::spectral::setup::Setup;
 
 /// Largest violations over what is tolerated, and the contact set with them mended, if any.
@@ -95,7 +96,7 @@ impl PlaneSigns {
             });
         }
         let mended = verdicts.iter().any(|verdict| verdict.is_wrong()).then(|| {
-            let rings = setup.rings.iter().zip(contact).enumerate();
+            let rings = setup.domain.rings.iter().zip(contact).enumerate();
             let mended = rings.map(|(ring, (line, contact))| {
                 LoopVerdicts::new(ring, line.length(), nodes, &verdicts).mended(contact)
             });

@@ -13,15 +13,24 @@ use crate::multilevel::solve_nested_networks;
 use crate::problem::complex::Complex;
 use crate::problem::law::{BoundaryState, Law};
 use crate::problem::source::Source;
-use crate::spectral::geometry::domain::{PlaneSide, SidePlace, nearest_side};
-use crate::spectral::geometry::origin::Origin;
-use crate::spectral::problem::{LoopStart, PlaneProblem, PlaneStart};
+use crate::spectral::geometry::domain::SidePlace;
+use crate::spectral::geometry::ring::{PlaneRing, RingContact};
+use crate::spectral::problem::PlaneProblem;
 use crate::square::load::load;
 use crate::square::multigrid::solve_square;
 use std::collections::HashMap;
 
 /// Most refinements of the first mesh.
 const MOST_TIMES: usize = 12;
+
+/// Contact set with which Newton's method begins.
+#[derive(Clone, Debug)]
+pub(in crate::spectral) struct PlaneStart {
+    /// Arcs that stick, loop by loop. What they say of fixed and free sides is not read.
+    pub contact: Vec<RingContact>,
+    /// Length of the edges of the mesh that it is from: arcs and gaps of one or two are left out.
+    pub spacing: f64,
+}
 
 /// Finite element solution on the boundary.
 pub(in crate::spectral) struct DiscreteStart {
@@ -65,28 +74,26 @@ impl DiscreteStart {
         Self { y, states, curves }
     }
 
-    /// Contact set on the loops of a problem that is seen from a place, with the fluxes of its law.
-    pub(in crate::spectral) fn seen(&self, problem: &PlaneProblem, origin: Origin) -> PlaneStart {
+    /// Contact set on the loops of a problem, with the fluxes of its law.
+    pub(in crate::spectral) fn seen(
+        &self,
+        PlaneProblem { domain, law, .. }: &PlaneProblem,
+    ) -> PlaneStart {
         let mut curves = self.curves.clone();
         for point in curves.iter_mut().flat_map(|curve| &mut curve.points) {
-            *point = origin.seen(*point);
+            *point = domain.frame.seen(*point).coordinates();
         }
         let spacing = curves.iter().map(longest_edge).fold(0.0, f64::max);
-        let mut start = PlaneStart { spacing, ..PlaneStart::default() };
-        for sides in problem.domain.loops() {
-            let distances = curves.iter().map(|curve| distance_from(sides, curve));
+        let mut contact = Vec::with_capacity(domain.rings.len());
+        for ring in &domain.rings {
+            let distances = curves.iter().map(|curve| ring.nearest(place_of(curve, 0)).1);
             let nearest = distances.enumerate().min_by(|one, other| one.1.total_cmp(&other.1));
             let (number, _) = nearest.expect("as many curves as loops");
-            let nodes = NodesOfLoop::new(&curves[number], sides, &self.y, &self.states);
-            start.loops.push(nodes.start(problem.law));
+            let nodes = NodesOfLoop::new(&curves[number], ring, &self.y, &self.states);
+            contact.push(nodes.contact(*law));
         }
-        start
+        PlaneStart { contact, spacing }
     }
-}
-
-/// Distance of a node of a curve from a loop.
-fn distance_from(sides: &[PlaneSide], curve: &ClosedCurve) -> f64 {
-    nearest_side(sides, place_of(curve, 0)).1
 }
 
 /// Length of the longest edge of a curve.
@@ -104,7 +111,7 @@ fn place_of(curve: &ClosedCurve, node: usize) -> Complex {
 /// Boundary nodes on a loop, in walking order.
 struct NodesOfLoop<'a> {
     curve: &'a ClosedCurve,
-    sides: &'a [PlaneSide],
+    ring: &'a PlaneRing,
     /// v.
     values: Vec<f64>,
     /// States; a fixed node sticks, one of a free part slips by the sign of v.
@@ -114,7 +121,7 @@ struct NodesOfLoop<'a> {
 impl<'a> NodesOfLoop<'a> {
     fn new(
         curve: &'a ClosedCurve,
-        sides: &'a [PlaneSide],
+        ring: &'a PlaneRing,
         y: &[f64],
         states: &HashMap<usize, BoundaryState>,
     ) -> Self {
@@ -128,7 +135,7 @@ impl<'a> NodesOfLoop<'a> {
                 None => BoundaryState::SlipsDown,
             });
         }
-        Self { curve, sides, values, states: own }
+        Self { curve, ring, values, states: own }
     }
 
     fn many(&self) -> usize {
@@ -153,36 +160,37 @@ impl<'a> NodesOfLoop<'a> {
     }
 
     /// Arcs that stick, and the flux on the gaps.
-    fn start(&self, law: Law) -> LoopStart {
-        let mut start = LoopStart::default();
+    fn contact(&self, law: Law) -> RingContact {
+        let mut found = RingContact::default();
         let changes: Vec<usize> =
             (0..self.many()).filter(|&k| self.state(k) != self.state(k + 1)).collect();
         if changes.is_empty() {
             let slips = Some(self.state(0)).filter(|_| !self.sticks(0));
-            start.gaps.extend(slips.map(|state| flux(state, law)));
-            return start;
+            found.gaps.extend(slips.map(|state| flux(state, law)));
+            return found;
         }
         // From a gap on, so that the first arc begins before it ends.
         let turn = changes.iter().position(|&k| !self.sticks(k)).unwrap_or(0);
         let (mut begin, turned) = (None, changes[turn..].iter().chain(&changes[..turn]));
         for &k in turned {
-            match (self.sticks(k), self.sticks(k + 1)) {
-                (false, true) => begin = Some(self.beginning(k + 1)),
-                (true, _) => {
-                    start.arcs.extend(begin.take().map(|begin| [begin, self.end(k)]));
-                    start.gaps.push(flux(self.state(k + 1), law));
+            let arc = match (self.sticks(k), self.sticks(k + 1)) {
+                (false, true) => {
+                    begin = Some(self.beginning(k + 1));
+                    continue;
                 }
-                (false, false) => {
-                    start.arcs.push(self.arc_between(k));
-                    start.gaps.push(flux(self.state(k + 1), law));
-                }
-            }
+                (true, _) => begin.take().map(|begin| [begin, self.end(k)]),
+                (false, false) => Some(self.arc_between(k)),
+            };
+            let arc =
+                arc.map(|[from, to]| [from, if to <= from { to + self.ring.length() } else { to }]);
+            found.arcs.extend(arc);
+            found.gaps.push(flux(self.state(k + 1), law));
         }
-        start
+        found
     }
 
     /// Beginning of an arc at its first node.
-    fn beginning(&self, k: usize) -> SidePlace {
+    fn beginning(&self, k: usize) -> f64 {
         let many = self.many();
         let before = k + many - 1;
         if [before, k].map(|k| self.condition(k)) != [Condition::Contact; 2] {
@@ -193,7 +201,7 @@ impl<'a> NodesOfLoop<'a> {
     }
 
     /// End of an arc at its last node.
-    fn end(&self, k: usize) -> SidePlace {
+    fn end(&self, k: usize) -> f64 {
         let before = k + self.many() - 1;
         if [before, k].map(|k| self.condition(k)) != [Condition::Contact; 2] {
             return self.place(before, 1.0);
@@ -203,7 +211,7 @@ impl<'a> NodesOfLoop<'a> {
     }
 
     /// Short arc where v changes its sign after a node.
-    fn arc_between(&self, k: usize) -> [SidePlace; 2] {
+    fn arc_between(&self, k: usize) -> [f64; 2] {
         /// Half of its length, in edges: at a longer one a node would stick.
         const HALF: f64 = 0.1;
         let zero = self.value(k) / (self.value(k) - self.value(k + 1));
@@ -211,12 +219,12 @@ impl<'a> NodesOfLoop<'a> {
         [-HALF, HALF].map(|part| self.place(k, middle + part))
     }
 
-    /// Place on the edge after a node, by the part of the edge before it.
-    fn place(&self, k: usize, part: f64) -> SidePlace {
+    /// Distance along the loop of a place on the edge after a node, by the part of the edge before it.
+    fn place(&self, k: usize, part: f64) -> f64 {
         let [a, b] = [k, k + 1].map(|k| place_of(self.curve, k));
-        let (side, _) = nearest_side(self.sides, (a + b).scaled(0.5));
-        let s = self.sides[side].nearest(a + (b - a).scaled(part));
-        SidePlace { side, s }
+        let (side, _) = self.ring.nearest((a + b).scaled(0.5));
+        let s = self.ring.sides[side].nearest(a + (b - a).scaled(part));
+        self.ring.along(SidePlace { side, s })
     }
 }
 

@@ -82,9 +82,10 @@ fn behind_boundary(setup: &Setup, image: &Image, level: &Level, powers: Vec<Powe
 
 /// Powers and logarithms round the middle of each hole.
 fn holes(setup: &Setup, level: &Level) -> Vec<Hole> {
-    let holes = setup.domain.loops.iter().skip(1).map(|sides| {
-        let middle = middle(sides);
-        let radius = sides.iter().map(|side| side.distance(middle)).fold(f64::INFINITY, f64::min);
+    let holes = setup.domain.rings.iter().skip(1).map(|ring| {
+        let middle = middle(ring);
+        let radius =
+            ring.sides.iter().map(|side| side.distance(middle)).fold(f64::INFINITY, f64::min);
         Hole { middle, radius, powers: level.hole }
     });
     holes.collect()

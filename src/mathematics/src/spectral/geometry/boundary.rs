@@ -1,53 +1,12 @@
 //! The boundary as a walk: corners, ends of contact and crossings split it into intervals with one condition each;
 //! intervals into panels that get short towards these points.
 
-use super::domain::{PlaneSide, SidePlace};
+use super::ring::{PlaneRing, RingContact};
 use crate::mesh::Condition;
 use crate::problem::complex::Complex;
 use std::f64::consts::PI;
 
-/// Closed loop of sides with the distances along it.
-pub(in crate::spectral) struct PlaneRing {
-    pub sides: Vec<PlaneSide>,
-    /// Distance of the start of each side along the loop, and its length at last.
-    pub starts: Vec<f64>,
-    /// True at sides that go on from the side before, smoothly or after a bend, with the same condition and curvature.
-    smooth: Vec<bool>,
-}
-
 impl PlaneRing {
-    pub(in crate::spectral) fn new(sides: &[PlaneSide]) -> Self {
-        let mut starts = vec![0.0];
-        for side in sides {
-            starts.push(starts[starts.len() - 1] + side.length());
-        }
-        let many = sides.len();
-        let smooth = (0..many).map(|k| {
-            let (side, before) = (&sides[k], &sides[(k + many - 1) % many]);
-            let turn = before.tangent(before.length()).cross(side.tangent(0.0)).abs();
-            (turn < 1e-12 || side.is_after_bend)
-                && before.tangent(before.length()).dot(side.tangent(0.0)) > 0.0
-                && side.condition == before.condition
-                && (side.curvature() - before.curvature()).abs() < 1e-12
-        });
-        Self { smooth: smooth.collect(), sides: sides.to_vec(), starts }
-    }
-
-    pub(in crate::spectral) fn length(&self) -> f64 {
-        self.starts[self.sides.len()]
-    }
-
-    /// Distances along the loop at which corners lie.
-    pub(in crate::spectral) fn corners(&self) -> impl Iterator<Item = f64> {
-        let corners = (0..self.sides.len()).filter(|&k| !self.smooth[k]);
-        corners.map(|k| self.starts[k])
-    }
-
-    /// Distance along the loop.
-    pub(in crate::spectral) fn along(&self, SidePlace { side, s }: SidePlace) -> f64 {
-        self.starts[side] + s
-    }
-
     /// Condition at a distance along the loop: that of its side, or of the contact set where the law holds.
     fn state(&self, t: f64, contact: &RingContact) -> State {
         match self.sides[self.place(t).side].condition {
@@ -58,50 +17,12 @@ impl PlaneRing {
     }
 
     /// Directions of the walk before and after a mark.
-    fn tangents(&self, mark: &Mark) -> [Complex; 2] {
+    fn tangents_at(&self, mark: &Mark) -> [Complex; 2] {
         let place = self.place(mark.t);
-        let after = self.sides[place.side].tangent(place.s);
-        if !mark.joint {
-            return [after, after];
+        match mark.joint {
+            true => self.tangents(place.side),
+            false => [self.sides[place.side].tangent(place.s); 2],
         }
-        let before = &self.sides[(place.side + self.sides.len() - 1) % self.sides.len()];
-        [before.tangent(before.length()), after]
-    }
-
-    /// Place at a distance along the loop, in a turn.
-    pub(in crate::spectral) fn place(&self, t: f64) -> SidePlace {
-        let t = t.rem_euclid(self.length());
-        let side = self.starts.partition_point(|&start| start <= t).clamp(1, self.sides.len()) - 1;
-        SidePlace { side, s: (t - self.starts[side]).clamp(0.0, self.sides[side].length()) }
-    }
-}
-
-/// Arcs of a loop that stick, by distances along it: each from its first to its second, which may be beyond a turn.
-#[derive(Clone, Debug, Default)]
-pub(in crate::spectral) struct RingContact {
-    pub arcs: Vec<[f64; 2]>,
-    /// Flux on the gap after each arc. Without arcs: none if all sticks, one if nothing does.
-    pub gaps: Vec<f64>,
-}
-
-impl RingContact {
-    /// Flux at a distance along the loop; none where it sticks.
-    fn flux(&self, t: f64, turn: f64) -> Option<f64> {
-        if self.arcs.is_empty() {
-            return self.gaps.first().copied();
-        }
-        let mut nearest = (f64::INFINITY, None);
-        for (k, [from, to]) in self.arcs.iter().enumerate() {
-            let after = (t - from).rem_euclid(turn);
-            if after <= to - from {
-                return None;
-            }
-            let beyond = after - (to - from);
-            if beyond < nearest.0 {
-                nearest = (beyond, Some(self.gaps[k]));
-            }
-        }
-        nearest.1
     }
 }
 
@@ -170,7 +91,8 @@ pub(in crate::spectral) struct PlaneInterval {
 #[derive(Clone, Copy, Debug)]
 pub(in crate::spectral) struct PlaneCrossing {
     pub ring: usize,
-    pub place: SidePlace,
+    /// Distance along the loop.
+    pub t: f64,
     /// f after it less f before it, in walking order.
     pub change: f64,
     /// Distance of the end of the jump from it.
@@ -249,7 +171,7 @@ impl Walk {
             let before = (k + many - 1) % many;
             let place = ring.place(mark.t);
             let side = &ring.sides[place.side];
-            let tangents = ring.tangents(mark);
+            let tangents = ring.tangents_at(mark);
             self.splits.push(Split {
                 ring: number,
                 t: mark.t,
@@ -301,8 +223,8 @@ impl Walk {
         let turn = ring.length();
         let mut joined = Vec::new();
         for &crossing in crossings.iter().filter(|crossing| crossing.ring == r) {
-            let t = ring.along(crossing.place);
-            let offset = |split: &Split| (t - split.t + 0.5 * turn).rem_euclid(turn) - 0.5 * turn;
+            let offset =
+                |split: &Split| (crossing.t - split.t + 0.5 * turn).rem_euclid(turn) - 0.5 * turn;
             let own = self.splits.iter().enumerate().filter(|(_, split)| split.ring == r);
             let nearest = own
                 .map(|(split, own)| JoinedCrossing { split, offset: offset(own), crossing })
@@ -400,11 +322,11 @@ fn marks(
     let turn = ring.length();
     let mut marks: Vec<Mark> = Vec::new();
     for k in 0..ring.sides.len() {
-        let corner = !ring.smooth[k];
+        let corner = !ring.is_smooth(k);
         marks.push(Mark { t: ring.starts[k], joint: true, corner, ..Mark::default() });
     }
     for own in crossings.iter().filter(|own| own.ring == number) {
-        marks.push(Mark { t: ring.along(own.place), crossing: true, ..Mark::default() });
+        marks.push(Mark { t: own.t, crossing: true, ..Mark::default() });
     }
     for (k, arc) in contact.arcs.iter().enumerate() {
         for (which, t) in arc.iter().enumerate() {

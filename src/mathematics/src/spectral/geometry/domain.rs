@@ -1,7 +1,9 @@
 //! Domains of the plane bounded by straight sides and circular arcs.
 
 use super::curve::{Arc, Curve, SAME};
-use crate::mesh::Condition;
+use super::frame::Frame;
+use super::ring::PlaneRing;
+use crate::mesh::{Condition, Names};
 use crate::problem::complex::Complex;
 use crate::spectral::complex::distance;
 
@@ -59,7 +61,7 @@ impl PlaneSide {
     }
 
     /// Point at a distance from the start along the side.
-    pub(crate) fn at(&self, s: f64) -> [f64; 2] {
+    pub(in crate::spectral) fn at(&self, s: f64) -> [f64; 2] {
         self.point(s).coordinates()
     }
 
@@ -118,9 +120,13 @@ impl PlaneSide {
 
 /// Domain of the plane: closed loops of sides with the domain on the left, the outer one first and anticlockwise, holes
 /// clockwise.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct PlaneDomain {
-    pub(in crate::spectral) loops: Vec<Vec<PlaneSide>>,
+    /// Coordinates of all its points.
+    pub(in crate::spectral) frame: Frame,
+    /// Names of the parts of the boundary; none of the square.
+    pub(in crate::spectral) parts: Vec<Names>,
+    pub(in crate::spectral) rings: Vec<PlaneRing>,
 }
 
 /// Point of the boundary.
@@ -133,37 +139,41 @@ pub(crate) struct SidePlace {
 }
 
 impl PlaneDomain {
-    /// Domain with these loops.
+    /// Domain with these loops in the coordinates of a frame.
     ///
     /// # Errors
     /// [`PlaneError::Domain`] if a loop does not close, two of its sides lie on each other, or the domain does not lie
     /// on its left.
-    pub(crate) fn new(loops: Vec<Vec<PlaneSide>>) -> Result<Self, PlaneError> {
+    pub(in crate::spectral) fn seen(
+        frame: Frame,
+        loops: Vec<Vec<PlaneSide>>,
+    ) -> Result<Self, PlaneError> {
         /// Distance, over the diameter, up to which sides that meet may be apart: rounding of points of circles.
         const MEET: f64 = 2e-14;
         /// That from which on sides beside each other leave room between them.
         const CLOSE: f64 = 1e-9;
         /// Least length of a side, over the diameter, and over the perimeter: shorter ones are one point of a walk.
         const SHORTEST: [f64; 2] = [1e-9, 2e-10];
-        let domain = Self { loops };
+        let rings = loops.into_iter().map(PlaneRing::new).collect();
+        let domain = Self { frame, rings, ..Self::default() };
         let size = domain.diameter();
         let shortest = (SHORTEST[0] * size).max(SHORTEST[1] * domain.perimeter());
-        for (ring, sides) in domain.loops.iter().enumerate() {
-            let many = sides.len();
-            let closes = (0..many).all(|k| {
-                let end = sides[k].point(sides[k].length());
-                (end - sides[(k + 1) % many].point(0.0)).norm() <= MEET * size
+        for (number, ring) in domain.rings.iter().enumerate() {
+            let sides = &ring.sides;
+            let closes = (0..sides.len()).all(|k| {
+                let before = ring.before(k);
+                (before.point(before.length()) - sides[k].point(0.0)).norm() <= MEET * size
             });
-            if many == 0 || !closes {
+            if sides.is_empty() || !closes {
                 return Err(PlaneError::Domain(format!(
-                    "loop {ring} of the boundary does not close"
+                    "loop {number} of the boundary does not close"
                 )));
             }
             if let Some(short) = sides.iter().find(|side| side.length() < shortest) {
-                let [x, y] = short.at(0.0);
+                let [x, y] = frame.outside(short.point(0.0));
                 return Err(PlaneError::Domain(format!(
                     "the boundary has a side of length {:.1e} at ({x}, {y}), too short for this solver; join both ends",
-                    short.length()
+                    frame.unit * short.length()
                 )));
             }
             if has_slit(sides, CLOSE * size) {
@@ -174,32 +184,22 @@ impl PlaneDomain {
             let inwards = sides[0].tangent(middle).turned().scaled(1e-6 * size);
             if !domain.holds(sides[0].point(middle) + inwards) {
                 return Err(PlaneError::Domain(format!(
-                    "the domain lies on the right of loop {ring}"
+                    "the domain lies on the right of loop {number}"
                 )));
             }
         }
         Ok(domain)
     }
 
-    /// Loops of sides, the outer one first.
-    pub(crate) fn loops(&self) -> &[Vec<PlaneSide>] {
-        &self.loops
-    }
-
     /// All sides.
     pub(in crate::spectral) fn sides(&self) -> impl Iterator<Item = &PlaneSide> {
-        self.loops.iter().flatten()
+        self.rings.iter().flat_map(|ring| &ring.sides)
     }
 
     /// Length of the diagonal of the box round the domain.
     pub(in crate::spectral) fn diameter(&self) -> f64 {
         let [[left, right], [low, high]] = self.extent();
         libm::hypot(right - left, high - low)
-    }
-
-    /// Power of two near half of the diameter.
-    pub(in crate::spectral) fn unit(&self) -> f64 {
-        libm::exp2(libm::log2(0.5 * self.diameter()).round())
     }
 
     /// Least and greatest coordinates, to a hundredth of a turn of arcs.
@@ -240,10 +240,10 @@ impl PlaneDomain {
 
     /// Loop, side and place of the boundary next to a point.
     pub(in crate::spectral) fn nearest(&self, z: Complex) -> (usize, SidePlace) {
-        let nearest = self.loops.iter().map(|sides| nearest_side(sides, z)).enumerate();
+        let nearest = self.rings.iter().map(|ring| ring.nearest(z)).enumerate();
         let nearest = nearest.min_by(|(_, one), (_, other)| one.1.total_cmp(&other.1));
         let (ring, (side, _)) = nearest.expect("a domain has a boundary");
-        (ring, SidePlace { side, s: self.loops[ring][side].nearest(z) })
+        (ring, SidePlace { side, s: self.rings[ring].sides[side].nearest(z) })
     }
 
     /// Distance at which a ray from a point, which may lie on the boundary, first meets the boundary.
@@ -269,10 +269,10 @@ impl PlaneDomain {
     /// sine of half of its angle, or more.
     pub(in crate::spectral) fn longest_detour(&self) -> f64 {
         let mut least = 1.0f64;
-        for sides in &self.loops {
-            for (k, side) in sides.iter().enumerate() {
-                let before = &sides[(k + sides.len() - 1) % sides.len()];
-                least = least.min(before.tangent(before.length()).dot(side.tangent(0.0)));
+        for ring in &self.rings {
+            for k in 0..ring.sides.len() {
+                let [before, after] = ring.tangents(k);
+                least = least.min(before.dot(after));
             }
         }
         (0.5 * (1.0 + least)).max(f64::MIN_POSITIVE).sqrt().recip()
@@ -340,13 +340,6 @@ fn has_slit(sides: &[PlaneSide], tolerance: f64) -> bool {
                 && other.tangent(other.nearest(point)).dot(along) < 0.0
         })
     })
-}
-
-/// Number of the side that is nearest to a point, and its distance.
-pub(in crate::spectral) fn nearest_side(sides: &[PlaneSide], z: Complex) -> (usize, f64) {
-    let distances = sides.iter().map(|side| (side.point(side.nearest(z)) - z).norm());
-    let nearest = distances.enumerate().min_by(|one, other| one.1.total_cmp(&other.1));
-    nearest.expect("a loop has sides")
 }
 
 /// Reason for which there is no solution.

@@ -4,6 +4,7 @@
 
 use crate::problem::complex::Complex;
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneSide};
+use crate::spectral::geometry::ring::PlaneRing;
 use crate::spectral::geometry::way_out::middle;
 
 /// Point behind the boundary at which the continued solution is singular.
@@ -145,16 +146,16 @@ pub(in crate::spectral) fn medial_discs(domain: &PlaneDomain) -> Vec<MedialDisc>
     const CUTS: f64 = 0.1;
     let most = LARGEST * domain.diameter();
     let mut found = Vec::new();
-    for (ring, sides) in domain.loops.iter().enumerate() {
-        let faces_itself = if ring == 0 { has_slot(domain, sides) } else { is_slender(sides) };
+    for (number, ring) in domain.rings.iter().enumerate() {
+        let faces_itself = if number == 0 { has_slot(domain, ring) } else { is_slender(ring) };
         if faces_itself {
-            add_along(domain, sides, most, &mut found);
+            add_along(domain, ring, most, &mut found);
         }
     }
     if found.is_empty() {
         return found;
     }
-    for [corner, outwards] in domain.loops.iter().flat_map(|sides| re_entrant(sides)) {
+    for [corner, outwards] in domain.rings.iter().flat_map(re_entrant) {
         let cuts = CUTS * domain.exit(corner, outwards).min(most);
         found.retain(|disc| (disc.centre() - corner).norm() > cuts);
     }
@@ -162,8 +163,8 @@ pub(in crate::spectral) fn medial_discs(domain: &PlaneDomain) -> Vec<MedialDisc>
 }
 
 /// True if a way from a side straight outwards ends at the boundary.
-fn has_slot(domain: &PlaneDomain, sides: &[PlaneSide]) -> bool {
-    sides.iter().any(|side| {
+fn has_slot(domain: &PlaneDomain, ring: &PlaneRing) -> bool {
+    ring.sides.iter().any(|side| {
         [0.2, 0.5, 0.8].into_iter().any(|part| {
             let s = part * side.length();
             domain.exit(side.point(s), -side.tangent(s).turned()).is_finite()
@@ -172,19 +173,19 @@ fn has_slot(domain: &PlaneDomain, sides: &[PlaneSide]) -> bool {
 }
 
 /// True of a hole for which functions that are singular in its middle alone are too few.
-fn is_slender(sides: &[PlaneSide]) -> bool {
+fn is_slender(ring: &PlaneRing) -> bool {
     /// Distance of the corner farthest from the middle, over that of the nearest side.
     const LONG: f64 = 1.8;
-    let middle = middle(sides);
+    let (middle, sides) = (middle(ring), &ring.sides);
     let nearest = sides.iter().map(|side| side.distance(middle)).fold(f64::INFINITY, f64::min);
     sides.iter().any(|side| (side.point(0.0) - middle).norm() > LONG * nearest)
 }
 
 /// Re-entrant corners, with the unit vector straight outwards.
-fn re_entrant(sides: &[PlaneSide]) -> Vec<[Complex; 2]> {
+fn re_entrant(ring: &PlaneRing) -> Vec<[Complex; 2]> {
     let mut corners = Vec::new();
-    for (k, side) in sides.iter().enumerate() {
-        let (prior, after) = tangents(sides, k);
+    for (k, side) in ring.sides.iter().enumerate() {
+        let [prior, after] = ring.tangents(k);
         if prior.cross(after) < -1e-9 {
             let along = prior + after;
             let outwards = -along.turned().scaled(1.0 / along.norm());
@@ -194,16 +195,10 @@ fn re_entrant(sides: &[PlaneSide]) -> Vec<[Complex; 2]> {
     corners
 }
 
-/// Directions of the walk before and after the start of a side.
-fn tangents(sides: &[PlaneSide], k: usize) -> (Complex, Complex) {
-    let before = &sides[(k + sides.len() - 1) % sides.len()];
-    (before.tangent(before.length()), sides[k].tangent(0.0))
-}
-
 /// Adds the discs along a loop.
-fn add_along(domain: &PlaneDomain, sides: &[PlaneSide], most: f64, found: &mut Vec<MedialDisc>) {
-    for (k, side) in sides.iter().enumerate() {
-        let (corner, (prior, after)) = (side.point(0.0), tangents(sides, k));
+fn add_along(domain: &PlaneDomain, ring: &PlaneRing, most: f64, found: &mut Vec<MedialDisc>) {
+    for (k, side) in ring.sides.iter().enumerate() {
+        let (corner, [prior, after]) = (side.point(0.0), ring.tangents(k));
         let turn = libm::atan2(prior.cross(after), prior.dot(after));
         // At a convex corner directions turn from one normal to the next.
         if turn > 1e-3 {

@@ -5,6 +5,7 @@ use crate::problem::complex::Complex;
 use crate::spectral::complex::{arg, distance};
 use crate::spectral::geometry::curve::Curve;
 use crate::spectral::geometry::domain::{PlaneCircle, PlaneError, PlaneSide};
+use crate::spectral::geometry::frame::Frame;
 use std::f64::consts::TAU;
 
 /// Most sides of a closed curve, for which the time is still one of seconds.
@@ -19,13 +20,15 @@ const ON_LINE: f64 = 1e-15;
 /// Distance of a corner from its curves, over the size of the curve: the rounding errors of points of circles.
 const APART: f64 = 1e-14;
 
-/// Returns the sides of a closed curve of a boundary, whose parts lie on these circles.
+/// Returns the sides of a closed curve of a boundary, whose parts lie on these circles, all in the coordinates of a
+/// frame.
 ///
 /// # Errors
 /// [`PlaneError::Domain`].
 pub(in crate::spectral) fn outline(
     curve: &ClosedCurve,
     circles: &[Option<Round<2>>],
+    frame: Frame,
 ) -> Result<Vec<PlaneSide>, PlaneError> {
     let mut edges = Vec::new();
     for (k, &condition) in curve.conditions.iter().enumerate() {
@@ -33,8 +36,9 @@ pub(in crate::spectral) fn outline(
         let circle = circles.get(part).copied().flatten();
         edges.push(OutlineEdge { circle, condition, part });
     }
-    let points = curve.points.iter().map(|&[x, y]| Complex::new(x, y)).collect();
-    let outline = MeshOutline::closed(points, edges);
+    let points = curve.points.iter().chain(curve.points.first());
+    let points = points.map(|&[x, y]| Complex::new(x, y)).collect();
+    let outline = MeshOutline::new(points, edges, frame);
     let sides = outline.corners().len();
     if sides > MOST_SIDES {
         let part = curve.label().filter(|part| !part.contains(", "));
@@ -67,20 +71,20 @@ pub(in crate::spectral) struct MeshOutline {
     is_closed: bool,
     /// Diameter, about.
     size: f64,
+    /// Coordinates of the nodes.
+    frame: Frame,
 }
 
 impl MeshOutline {
     /// Path of edges between nodes, one more.
-    pub(in crate::spectral) fn new(points: Vec<Complex>, edges: Vec<OutlineEdge>) -> Self {
+    pub(in crate::spectral) fn new(
+        points: Vec<Complex>,
+        edges: Vec<OutlineEdge>,
+        frame: Frame,
+    ) -> Self {
         let size = points.iter().map(|&z| (z - points[0]).norm()).fold(0.0, f64::max);
         let is_closed = points[0] == points[points.len() - 1];
-        Self { points, edges, is_closed, size }
-    }
-
-    /// Closed curve with an edge after each node.
-    fn closed(mut points: Vec<Complex>, edges: Vec<OutlineEdge>) -> Self {
-        points.push(points[0]);
-        Self::new(points, edges)
+        Self { points, edges, is_closed, size, frame }
     }
 
     /// PlaneNode before which an edge is the last of all, and after which the first: of a closed curve, the one before
@@ -201,7 +205,8 @@ impl MeshOutline {
         match greatest_distance(&curves, z) {
             by if by <= APART * self.size => Ok(z),
             by => {
-                let [x, y] = node.coordinates();
+                let [x, y] = self.frame.outside(node);
+                let by = self.frame.unit * by;
                 Err(PlaneError::Domain(format!(
                     "two sides do not meet in the node ({x}, {y}), by {by:.1e}; write the mesh with 16 digits"
                 )))
@@ -235,7 +240,10 @@ impl MeshOutline {
         let circle = circle_through([0, 1, 2].map(|k| self.points[k * many / 3]))?;
         let off = self.points.iter().map(|z| circle.distance(z.coordinates()));
         let is_round = off.fold(0.0, f64::max) < ON_CIRCLE * circle.radius;
-        let ([x, y], radius) = (circle.centre.map(short), short(circle.radius));
+        let Frame { unit, .. } = self.frame;
+        let [x, y] = circle.centre;
+        let [x, y] = self.frame.outside(Complex::new(x, y)).map(short);
+        let radius = short(unit * circle.radius);
         is_round.then(|| format!(", as {part}={x},{y},{radius}"))
     }
 }

@@ -1,7 +1,15 @@
 //! Polygons with contact on all sides, for tests.
 
-use super::domain::{PlaneDomain, PlaneSide};
+use super::domain::{PlaneDomain, PlaneError, PlaneSide};
+use super::frame::Frame;
 use crate::mesh::Condition;
+
+impl PlaneDomain {
+    /// Domain with these loops in coordinates of the plane.
+    pub(in crate::spectral) fn new(loops: Vec<Vec<PlaneSide>>) -> Result<Self, PlaneError> {
+        Self::seen(Frame::default(), loops)
+    }
+}
 
 /// Polygon with these corners, anticlockwise.
 pub(in crate::spectral) fn polygon(points: &[[f64; 2]]) -> PlaneDomain {

@@ -1,6 +1,7 @@
 //! Ways outside of a domain, along which jumps of f are led away from its boundary.
 
-use super::domain::{PlaneDomain, PlaneSide};
+use super::domain::PlaneDomain;
+use super::ring::PlaneRing;
 use crate::problem::complex::Complex;
 
 /// Way outside of a domain.
@@ -16,7 +17,7 @@ impl PlaneDomain {
     /// before corners and sides. None if there is none by those.
     pub(in crate::spectral) fn way_out(&self, z: Complex) -> Option<WayOut> {
         let centre = self.centre();
-        let middles: Vec<Complex> = self.loops[1..].iter().map(|hole| middle(hole)).collect();
+        let middles: Vec<Complex> = self.rings[1..].iter().map(middle).collect();
         let (mut ways, mut posts): (Vec<Vec<Complex>>, _) = (vec![vec![]], None);
         let mut next = 0;
         while next < ways.len() {
@@ -48,10 +49,10 @@ impl PlaneDomain {
     /// Points outside, on half of the way from each corner and the middle of each side to the boundary.
     fn posts(&self) -> Vec<Complex> {
         let (mut posts, size) = (Vec::new(), self.diameter());
-        for sides in &self.loops {
-            for (k, side) in sides.iter().enumerate() {
-                let before = &sides[(k + sides.len() - 1) % sides.len()];
-                let along = before.tangent(before.length()) + side.tangent(0.0);
+        for ring in &self.rings {
+            for (k, side) in ring.sides.iter().enumerate() {
+                let [before, after] = ring.tangents(k);
+                let along = before + after;
                 let middle = 0.5 * side.length();
                 for (from, along) in
                     [(side.point(0.0), along), (side.point(middle), side.tangent(middle))]
@@ -86,16 +87,16 @@ impl PlaneDomain {
 }
 
 /// Middle of a hole: the mean of points of its boundary, or the point of the hole with most room round it.
-pub(in crate::spectral) fn middle(sides: &[PlaneSide]) -> Complex {
+pub(in crate::spectral) fn middle(ring: &PlaneRing) -> Complex {
     let mut mean = Complex::default();
-    let many = 16.0 * sides.len() as f64;
-    for side in sides {
+    let many = 16.0 * ring.sides.len() as f64;
+    for side in &ring.sides {
         for k in 0..16 {
             let point = side.point(side.length() * (f64::from(k) + 0.5) / 16.0);
             mean = mean + point.scaled(1.0 / many);
         }
     }
-    let hole = PlaneDomain { loops: vec![sides.to_vec()] };
+    let hole = PlaneDomain { rings: vec![ring.clone()], ..PlaneDomain::default() };
     if hole.holds(mean) {
         return mean;
     }

@@ -4,13 +4,11 @@ pub(super) mod known;
 pub(super) mod spoilt;
 
 use crate::mesh::Condition::{self, Contact, Fixed, Free};
-use crate::problem::complex::Complex;
 use crate::problem::formula::Formula;
 use crate::problem::law::Law;
-use crate::spectral::geometry::boundary::RingContact;
-use crate::spectral::geometry::domain::{PlaneCircle, PlaneSide};
+use crate::spectral::geometry::domain::{PlaneCircle, PlaneDomain, PlaneSide};
+use crate::spectral::geometry::ring::RingContact;
 use crate::spectral::source::PlaneSource;
-use crate::spectral::source::expansion::Expansion;
 use crate::spectral::source::polynomial::Polynomial;
 use known::{
     BenchProblem, HALF_DISC, Radial, SolvedKnown, circle, known, pieces, polygon, sector, slips,
@@ -215,8 +213,8 @@ fn polygons() -> Vec<BenchProblem> {
     let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let square = vec![polygon(&square, &[Contact; 4])];
     let f = Formula::read("-2*(2 - x^2 - y^2)", 2).unwrap();
-    let seen = Expansion { origin: Complex::default(), unit: 1.0, radius: 1.5 };
-    let polynomial = Polynomial::in_coordinates(&f, 1.0, &seen).unwrap();
+    let domain = PlaneDomain::new(square.clone()).unwrap();
+    let polynomial = Polynomial::of_formula(&f, &domain).unwrap();
     let source = (Law::SIGNORINI, PlaneSource::Polynomial(polynomial));
     all.push(known("square", square, source, vec![sticks()], -128.0 / 45.0));
     all

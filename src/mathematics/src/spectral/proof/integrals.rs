@@ -83,7 +83,7 @@ impl Integrals {
     pub(super) fn add_joined(&mut self, setup: &Setup, walk: &Walk, piece: JoinedPiece) {
         let (JoinedPiece { f, counted, span: [from, to], .. }, length) = (piece, piece.length());
         let split = &walk.splits[piece.split];
-        let ring = &setup.rings[split.ring];
+        let ring = &setup.domain.rings[split.ring];
         let place = ring.place(split.t + 0.5 * (from + to));
         let side = &ring.sides[place.side];
         let (z, normal) = (side.point(place.s), -side.tangent(place.s).turned());

@@ -138,12 +138,6 @@ impl PlaneBracket {
         let width = self.upper - self.lower;
         if width > 0.0 { width / self.energy.abs() } else { 0.0 }
     }
-
-    /// All in another unit of the energy.
-    pub(crate) fn scaled(self, unit: f64) -> Self {
-        let Self { energy, lower, upper, cause } = self;
-        Self { energy: unit * energy, lower: unit * lower, upper: unit * upper, cause }
-    }
 }
 
 /// All that is needed to bound v on the boundary.

@@ -66,7 +66,7 @@ pub(super) fn uncertain(proof: &Proof, own: &Sampled, sizes: Sizes) -> bool {
 /// of the outer loop by that of the first hole on which v should be zero somewhere.
 pub(super) fn hole_logs(proof: &Proof, samples: &[Sampled]) -> Vec<f64> {
     let excess: Vec<Option<f64>> =
-        (0..proof.setup.rings.len()).map(|ring| excess(samples, ring)).collect();
+        (0..proof.setup.domain.rings.len()).map(|ring| excess(samples, ring)).collect();
     let mut logs: Vec<f64> = excess[1..].iter().map(|own| own.unwrap_or(0.0) / TAU).collect();
     let held = excess[1..].iter().position(Option::is_none);
     if let (Some(outer), Some(hole)) = (excess[0], held) {
@@ -280,7 +280,7 @@ impl FluxBalance {
 
 /// For each loop, true if v is fixed on a part of it.
 fn fixed_loops(proof: &Proof) -> Vec<bool> {
-    let mut fixed = vec![false; proof.setup.rings.len()];
+    let mut fixed = vec![false; proof.setup.domain.rings.len()];
     for own in &proof.fit.walk.intervals {
         fixed[own.ring] |= own.state == State::Held && !own.lawful;
     }

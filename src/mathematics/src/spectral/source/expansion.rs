@@ -6,17 +6,16 @@
 use super::real_polynomial::RealPolynomial;
 use crate::problem::complex::Complex;
 use crate::problem::formula::{Binary, Formula, Unary};
+use crate::spectral::geometry::frame::Frame;
 
 /// Largest degree.
 const DEGREE: usize = 32;
 /// Units in the last place by which a function of a number is off.
 const OFF: f64 = 2.0 * f64::EPSILON;
 
-/// Coordinates of polynomials, `origin + unit z`, on a disc round z = 0.
+/// Coordinates of polynomials, on a disc round z = 0.
 pub(in crate::spectral) struct Expansion {
-    pub origin: Complex,
-    /// A power of two.
-    pub unit: f64,
+    pub frame: Frame,
     pub radius: f64,
 }
 
@@ -84,12 +83,9 @@ impl Expanded {
 
 impl Expansion {
     fn coordinate(&self, axis: usize) -> Expanded {
-        let [x, y] = self.origin.coordinates();
-        let (start, way) = match axis {
-            0 => (x, Complex::new(self.unit, 0.0)),
-            _ => (y, Complex::new(0.0, -self.unit)),
-        };
-        let polynomial = RealPolynomial::harmonic(vec![Complex::new(start, 0.0), way]);
+        let Frame { origin, unit, .. } = self.frame;
+        let way = if axis == 0 { Complex::new(unit, 0.0) } else { Complex::new(0.0, -unit) };
+        let polynomial = RealPolynomial::harmonic(vec![Complex::new(origin[axis], 0.0), way]);
         Expanded { degree: 1, polynomial: Some(polynomial), error: 0.0 }
     }
 

@@ -158,7 +158,7 @@ impl SmallShape {
         let is_exact = sides.iter().all(|(arc, _)| arc.ends == [None; 2] || is_parallel(arc.curve));
         let off = if is_exact { 4.0 * f64::EPSILON * extent.half[1] } else { ROUNDING };
         let shape = Self { middle, part, edges, extent, off };
-        let mut holes = domain.loops.iter().map(|sides| sides[0].point(0.0));
+        let mut holes = domain.rings.iter().map(|ring| ring.sides[0].point(0.0));
         holes.all(|z| shape.is_outside(z - middle)).then_some(shape)
     }
 

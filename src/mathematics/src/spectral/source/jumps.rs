@@ -149,8 +149,9 @@ fn crossings(domain: &PlaneDomain, edge: &JumpEdge) -> Vec<PlaneCrossing> {
         }
         let z = arc.curve.at(arc.span[k]);
         let (ring, place) = domain.nearest(z);
-        let gap = (domain.loops[ring][place.side].point(place.s) - z).norm();
-        found.push(PlaneCrossing { ring, place, change, gap });
+        let own = &domain.rings[ring];
+        let gap = (own.sides[place.side].point(place.s) - z).norm();
+        found.push(PlaneCrossing { ring, t: own.along(place), change, gap });
     }
     found
 }
@@ -158,15 +159,7 @@ fn crossings(domain: &PlaneDomain, edge: &JumpEdge) -> Vec<PlaneCrossing> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Condition;
-    use crate::spectral::geometry::domain::PlaneSide;
-
-    fn polygon(points: &[[f64; 2]]) -> PlaneDomain {
-        let ends = |k: usize| [points[k], points[(k + 1) % points.len()]];
-        let sides =
-            (0..points.len()).map(|k| PlaneSide::segment(ends(k), Condition::Contact, 0)).collect();
-        PlaneDomain::new(vec![sides]).unwrap()
-    }
+    use crate::spectral::geometry::polygons::polygon;
 
     #[test]
     fn psi_belongs_to_f_where_jumps_end_in_bays() {

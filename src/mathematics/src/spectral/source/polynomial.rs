@@ -5,7 +5,7 @@ use super::real_polynomial::RealPolynomial;
 use crate::problem::complex::Complex;
 use crate::problem::formula::Formula;
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
-use crate::spectral::geometry::origin::Origin;
+use crate::spectral::geometry::frame::Frame;
 
 /// Polynomial f in the coordinates of a frame, with psi.
 #[derive(Clone, Debug)]
@@ -26,35 +26,21 @@ pub(crate) struct Polynomial {
 }
 
 impl Polynomial {
-    /// Polynomial that a formula is, over a power of two, in the frame of a domain that is seen from an origin.
+    /// Polynomial that a formula is in the frame of a domain.
     ///
     /// # Errors
     /// [`PlaneError::Source`] if it is none, or of too high a degree.
     pub(in crate::spectral) fn of_formula(
         formula: &Formula,
-        (height, Origin([x, y])): (f64, Origin),
         domain: &PlaneDomain,
     ) -> Result<Self, PlaneError> {
-        let (unit, [xs, ys]) = (domain.unit(), domain.extent());
-        let seen = xs.into_iter().flat_map(|x| ys.map(|y| Complex::new(x, y).norm() / unit));
+        let (Frame { height, .. }, [xs, ys]) = (domain.frame, domain.extent());
+        let seen = xs.into_iter().flat_map(|x| ys.map(|y| Complex::new(x, y).norm()));
         // Arcs are seen in a hundred points.
         let radius = 1.01 * seen.fold(0.0, f64::max);
-        let expansion = Expansion { origin: Complex::new(x, y), unit, radius };
-        Self::in_coordinates(formula, height, &expansion)
-    }
-
-    /// Polynomial that a formula is, over a power of two, in some coordinates.
-    ///
-    /// # Errors
-    /// As [`Polynomial::of_formula`].
-    pub(in crate::spectral) fn in_coordinates(
-        formula: &Formula,
-        height: f64,
-        expansion: &Expansion,
-    ) -> Result<Self, PlaneError> {
-        let (f, error) = expanded(formula, expansion).map_err(PlaneError::Source)?;
-        let f = f.weighted(|_, _| 1.0 / height);
-        Ok(Self::new(f, error / height, expansion.radius))
+        let expansion = Expansion { frame: domain.frame, radius };
+        let (f, error) = expanded(formula, &expansion).map_err(PlaneError::Source)?;
+        Ok(Self::new(f.weighted(|_, _| 1.0 / height), error / height, radius))
     }
 
     /// With a bound of the error of its coefficients on a disc.
@@ -122,12 +108,10 @@ impl Polynomial {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectral::geometry::polygons::square;
-
-    const UNIT: (f64, Origin) = (1.0, Origin([0.0; 2]));
+    use crate::spectral::geometry::polygons::{polygon, square};
 
     fn polynomial(text: &str) -> Polynomial {
-        Polynomial::of_formula(&Formula::read(text, 2).unwrap(), UNIT, &square()).unwrap()
+        Polynomial::of_formula(&Formula::read(text, 2).unwrap(), &square()).unwrap()
     }
 
     #[test]
@@ -187,23 +171,19 @@ mod tests {
             ("(x^9*y)^1000", "degree 10000"),
         ] {
             let formula = Formula::read(text, 2).unwrap();
-            let Err(error) = Polynomial::of_formula(&formula, UNIT, &square()) else {
-                panic!("{text}")
-            };
+            let Err(error) = Polynomial::of_formula(&formula, &square()) else { panic!("{text}") };
             assert!(error.to_string().contains(words), "{error}");
         }
     }
 
     #[test]
     fn the_error_of_an_expansion_is_bounded_far_from_the_origin_too() {
-        let far =
-            crate::spectral::geometry::polygons::polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+        let mut far = polygon(&[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0]]);
+        far.frame = Frame { origin: [1000.0, 0.0], unit: 0.5, height: 1.0 };
         let formula = Formula::read("(x - 1000)^8 - y/3", 2).unwrap();
-        let origin = Origin([1000.0, 0.0]);
-        let f = Polynomial::of_formula(&formula, (1.0, origin), &far).unwrap();
+        let f = Polynomial::of_formula(&formula, &far).unwrap();
         for point in [[1000.1, 0.05], [1000.75, 0.5], [1001.0, 1.0]] {
-            let [x, y] = origin.seen(point).map(|x| x / far.unit());
-            let seen = Complex::new(x, y);
+            let seen = far.frame.seen(point);
             let off = (f.value(seen) - formula.at(&point)).abs();
             assert!(off <= f.error + 1e-14 && f.error < 1e-9, "{off} {}", f.error);
         }

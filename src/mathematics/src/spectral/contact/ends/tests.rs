@@ -3,27 +3,25 @@
 use super::*;
 use crate::problem::law::Law;
 use crate::spectral::contact::search;
+use crate::spectral::contact::start::PlaneStart;
 use crate::spectral::fit::Effort;
 use crate::spectral::geometry::domain::SidePlace;
 use crate::spectral::geometry::polygons::polygon;
-use crate::spectral::problem::{Frame, LoopStart, PlaneProblem, PlaneStart};
+use crate::spectral::geometry::ring::RingContact;
+use crate::spectral::problem::PlaneProblem;
 use crate::spectral::source::PlaneSource;
 
 /// Solution on a polygon from one arc between places of its sides.
 fn found(points: &[[f64; 2]], f: &str, arc: [(usize, f64); 2]) -> (Setup, PlaneFound) {
     let domain = polygon(points);
-    let arcs = vec![
-        arc.map(|(side, share)| SidePlace { side, s: share * domain.loops()[0][side].length() }),
-    ];
-    let start = PlaneStart { loops: vec![LoopStart { arcs, gaps: vec![0.0] }], spacing: 1e-3 };
-    let frame = Frame::of(&domain);
-    let problem = PlaneProblem {
-        domain,
-        law: Law::SIGNORINI,
-        source: PlaneSource::Pieces(f.parse().unwrap()),
-    };
-    let setup = Setup::new(&frame.problem(&problem)).unwrap();
-    let found = search::search(&setup, &frame.start(&start), &mut Effort::default()).unwrap();
+    let source = PlaneSource::Pieces(f.parse().unwrap());
+    let setup = Setup::new(&PlaneProblem { domain, law: Law::SIGNORINI, source }).unwrap();
+    let ring = &setup.domain.rings[0];
+    let arc = arc
+        .map(|(side, share)| ring.along(SidePlace { side, s: share * ring.sides[side].length() }));
+    let contact = vec![RingContact { arcs: vec![arc], gaps: vec![0.0] }];
+    let start = PlaneStart { contact, spacing: 1e-3 };
+    let found = search::search(&setup, &start, &mut Effort::default()).unwrap();
     (setup, found)
 }
 

@@ -8,7 +8,7 @@ fn measured(mesh: &PlaneMesh) -> Result<(Vec<(usize, f64)>, f64), PlaneError> {
     let circles: Vec<_> = mesh.parts().iter().map(|part| part.curve).collect();
     let (mut curves, mut area) = (Vec::new(), 0.0);
     for curve in boundary_curves(mesh) {
-        let sides = outline(&curve, &circles)?;
+        let sides = outline(&curve, &circles, Frame::default())?;
         curves.push((sides.len(), sides.iter().map(PlaneSide::length).sum()));
         for (k, side) in sides.iter().enumerate() {
             let [[x, y], [u, v]] = [0.0, side.length()].map(|s| side.at(s));
@@ -57,7 +57,7 @@ fn built_in_domains_have_their_sides_and_areas() {
 fn hole(mesh: &AnyMesh) -> (usize, f64) {
     let mesh = mesh.plane().unwrap();
     let circles: Vec<_> = mesh.parts().iter().map(|part| part.curve).collect();
-    let sides = outline(&boundary_curves(mesh)[1], &circles).unwrap();
+    let sides = outline(&boundary_curves(mesh)[1], &circles, Frame::default()).unwrap();
     (sides.len(), sides.iter().map(PlaneSide::length).sum())
 }
 

@@ -179,7 +179,7 @@ fn check_balance(name: &str, proof: &Proof, samples: &[Sampled], error: f64) {
     };
     let law = proof.setup.law;
     let (mut moved, mut missed) = (0.0, 0.0);
-    for ring in 0..proof.setup.rings.len() {
+    for ring in 0..proof.setup.domain.rings.len() {
         let order = in_order(proof, samples, ring);
         let is_held = order.iter().any(|&p| samples[p].nodes[0].state == State::Held);
         let has_fixed = order
@@ -263,7 +263,7 @@ fn check_balance(name: &str, proof: &Proof, samples: &[Sampled], error: f64) {
     );
     // H has a constant of its own on each loop, so that its range is the largest of all.
     let has_more = other.range - found.range >= 1.99e-6;
-    assert!(has_more || proof.setup.rings.len() > 1, "{name}");
+    assert!(has_more || proof.setup.domain.rings.len() > 1, "{name}");
     // And the extension that it asks for is no less than that of a function with this range.
     let cells: Vec<_> = samples.iter().map(|own| own.own).collect();
     let room = Room::new(&proof.fit.walk, &proof.chords, &cells);

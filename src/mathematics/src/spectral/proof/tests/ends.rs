@@ -4,9 +4,11 @@ use crate::mesh::Condition;
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::spectral::contact::search::{PlaneFound, search};
+use crate::spectral::contact::start::PlaneStart;
 use crate::spectral::fit::Effort;
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneSide, SidePlace};
-use crate::spectral::problem::{LoopStart, PlaneProblem, PlaneStart};
+use crate::spectral::geometry::ring::RingContact;
+use crate::spectral::problem::PlaneProblem;
 use crate::spectral::proof::bench::known::{polygon, slips};
 use crate::spectral::proof::bench::spoilt::{Spoiling, check};
 use crate::spectral::proof::bounds::proved;
@@ -18,10 +20,10 @@ fn found(loops: Vec<PlaneSide>, f: &str, arcs: &[[(usize, f64); 2]]) -> (Setup, 
     let domain = PlaneDomain::new(vec![loops]).unwrap();
     let source = PlaneSource::Pieces(f.parse().unwrap());
     let setup = Setup::new(&PlaneProblem { domain, law: Law::SIGNORINI, source }).unwrap();
-    let arcs = arcs.iter().map(|ends| ends.map(|(side, s)| SidePlace { side, s }));
-    let arcs: Vec<[SidePlace; 2]> = arcs.collect();
+    let along = |(side, s)| setup.domain.rings[0].along(SidePlace { side, s });
+    let arcs: Vec<[f64; 2]> = arcs.iter().map(|ends| ends.map(along)).collect();
     let gaps = slips(0.0).gaps.repeat(arcs.len());
-    let start = PlaneStart { loops: vec![LoopStart { arcs, gaps }], spacing: 1e-3 };
+    let start = PlaneStart { contact: vec![RingContact { arcs, gaps }], spacing: 1e-3 };
     let found = search(&setup, &start, &mut Effort::default()).unwrap();
     (setup, found)
 }

@@ -1,6 +1,6 @@
 //! Problems in which numbers nearly agree: what a tolerance changes of f is in the bracket.
 
-use super::{PlaneSource, lshape, pieces, polygon, proved};
+use super::{PlaneSource, lshape, pieces, polygon, proved, seen_lshape};
 use crate::mesh::Condition;
 use crate::problem::complex::Complex;
 use crate::spectral::geometry::curve::{Arc, Curve};
@@ -14,15 +14,15 @@ use std::f64::consts::PI;
 #[test]
 fn brackets_hold_the_weight_of_shapes_that_are_too_narrow_for_the_solver() {
     let mut free = polygon(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]);
-    free.loops[0][0].condition = Condition::Free;
+    free.rings[0].sides[0].condition = Condition::Free;
     for (domain, narrow, wide) in [
         (
-            lshape(),
+            seen_lshape(),
             "rect(-0.500000000000006,-0.499999999999994,0.2,0.7)=1e5; else=-3",
             "rect(-0.50005,-0.49995,0.2,0.7)=-2.999988; else=-3",
         ),
         (
-            lshape(),
+            seen_lshape(),
             "rect(-0.500000000000006,-0.499999999999994,0.2,0.7)=-1e5; else=-3",
             "rect(-0.50005,-0.49995,0.2,0.7)=-3.000012; else=-3",
         ),
@@ -63,11 +63,11 @@ fn problems_that_differ_by_a_tolerance_have_brackets_that_meet() {
         },
     ];
     for (k, f) in families.into_iter().enumerate() {
-        let [low, high] = proved(lshape(), &f(0.0));
+        let [low, high] = proved(seen_lshape(), &f(0.0));
         // A meeting so far from a side has no bracket.
         for by in [5e-15, -2e-14, 8e-13, 1e-11].into_iter().filter(|by| k != MEETING || *by < 1e-11)
         {
-            let [lower, upper] = proved(lshape(), &f(by));
+            let [lower, upper] = proved(seen_lshape(), &f(by));
             // |v| times the jumps times the length of the borders.
             let moved = 10.0 * f64::abs(by);
             assert!(lower <= high + moved && low <= upper + moved, "{}: {lower} {upper}", f(by));

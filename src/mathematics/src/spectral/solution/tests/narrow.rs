@@ -21,16 +21,15 @@ fn with_free(loops: &[&[[f64; 2]]], lines: [Option<f64>; 2]) -> PlaneDomain {
 
 /// Guaranteed bracket for f = -1 under the paper's law, all in contact.
 fn bracket_of(domain: PlaneDomain) -> [f64; 2] {
-    let loops = vec![LoopStart::default(); domain.loops().len()];
-    bracket_from(domain, "else=-1", PlaneStart { loops, spacing: 1e-3 })
+    let contact = vec![RingContact::default(); domain.rings.len()];
+    bracket_from(domain, "else=-1", PlaneStart { contact, spacing: 1e-3 })
 }
 
 /// Guaranteed bracket under the paper's law from a contact set.
 fn bracket_from(domain: PlaneDomain, f: &str, start: PlaneStart) -> [f64; 2] {
     let problem = PlaneProblem { domain, law: Law::SIGNORINI, source: pieces(f) };
     let found = solve(&problem, &start, &mut Effort::default()).unwrap();
-    let PlaneBracket { lower, upper, .. } = found.bracket.unwrap();
-    [lower, upper]
+    found.bracket.unwrap()
 }
 
 /// Checks that the bracket of a domain meets that of a part of it, of which there are `many`, and that both are narrow.
@@ -105,7 +104,7 @@ fn contact_that_ends_where_a_side_is_free_ends_in_the_corner() {
     };
     let part = PlaneDomain::new(vec![(0..3).map(side).collect()]).unwrap();
     // Next to the corner, as Newton's method finds it there.
-    let arcs = vec![[a, 0.5 - 1e-8].map(|s| SidePlace { side: 1, s })];
-    let from = PlaneStart { loops: vec![LoopStart { arcs, gaps: vec![0.0] }], spacing: 1e-3 };
+    let arcs = vec![[a, 0.5 - 1e-8].map(|s| part.rings[0].along(SidePlace { side: 1, s }))];
+    let from = PlaneStart { contact: vec![RingContact { arcs, gaps: vec![0.0] }], spacing: 1e-3 };
     check_parts(whole, bracket_from(part, F, from), 8.0, 1e-9);
 }

@@ -1,9 +1,10 @@
 //! Sides with bends that are too small for corners.
 
-use crate::mesh::{AnyMesh, boundary_curves, gmsh};
+use crate::mesh::{AnyMesh, gmsh};
 use crate::problem::law::Law;
-use crate::spectral::geometry::outline::outline;
-use crate::spectral::on_mesh::solve_on_mesh;
+use crate::problem::source::Source;
+use crate::spectral::problem::PlaneProblem;
+use crate::spectral::true_solution_on;
 
 /// File of the unit square with nodes on the lower side, each lowered, and triangles round the middle.
 fn lowered(nodes: &[[f64; 2]]) -> AnyMesh {
@@ -30,8 +31,8 @@ fn a_side_with_small_bends_is_the_path_of_its_nodes() {
     for by in [0.0, 1e-12, 4e-10, 1e-9, 2e-9, 1e-8, 4e-7] {
         let mesh = lowered(&[[0.5, by]]);
         let found =
-            solve_on_mesh(mesh.plane().unwrap(), &["else=-1".parse().unwrap()], Law::SIGNORINI);
-        let [lower, upper] = found.unwrap().solution.bracket.unwrap().ends();
+            true_solution_on(mesh.plane().unwrap(), &[Source::constant(-1.0)], Law::SIGNORINI);
+        let [lower, upper] = found.unwrap().bracket.unwrap();
         let known: f64 = square + rate * by;
         let rounding = 1e-15 + 1e-8 * by;
         assert!(lower < known + rounding && known - rounding < upper, "{by}: {lower} {upper}");
@@ -41,7 +42,9 @@ fn a_side_with_small_bends_is_the_path_of_its_nodes() {
     let nodes: Vec<[f64; 2]> =
         (1..10).map(|k| [0.1 * f64::from(k), 3e-11 * f64::from(k * (10 - k))]).collect();
     let mesh = lowered(&nodes);
-    let sides = outline(&boundary_curves(mesh.plane().unwrap())[0], &[]).unwrap();
+    let f = [Source::constant(-1.0)];
+    let problem = PlaneProblem::on_mesh(mesh.plane().unwrap(), &f, Law::SIGNORINI).unwrap();
+    let sides = &problem.domain.rings[0].sides;
     assert_eq!(sides.iter().map(|side| side.is_after_bend).filter(|own| *own).count(), 9);
     assert_eq!(sides.len(), 13);
 }
