@@ -66,22 +66,24 @@ impl Level {
         noise: 1e-3,
         enough: 3e-10,
     };
-    /// Levels on which the solution is checked, in turn.
+    /// First of the levels on which the solution is checked.
+    const FIRST: Self = Self {
+        ratio: 3.0,
+        strong: 4,
+        weak: 4,
+        image: 4,
+        degree: 22,
+        hole: 12,
+        poles: 3.5,
+        nodes: 6,
+        shortest: 1e-4,
+        found: 1e-7,
+        noise: 1e-6,
+        enough: 1e-12,
+    };
+    /// All of them, in turn.
     pub(in crate::spectral) const FINE: [Self; 3] = [
-        Self {
-            ratio: 3.0,
-            strong: 4,
-            weak: 4,
-            image: 4,
-            degree: 22,
-            hole: 12,
-            poles: 3.5,
-            nodes: 6,
-            shortest: 1e-4,
-            found: 1e-7,
-            noise: 1e-6,
-            enough: 1e-12,
-        },
+        Self::FIRST,
         Self {
             ratio: 2.2,
             strong: 5,
@@ -90,11 +92,8 @@ impl Level {
             degree: 32,
             hole: 16,
             poles: 4.5,
-            nodes: 6,
-            shortest: 1e-4,
-            found: 1e-7,
-            noise: 1e-6,
             enough: 3e-10,
+            ..Self::FIRST
         },
         Self {
             ratio: 1.8,
@@ -104,11 +103,8 @@ impl Level {
             degree: 44,
             hole: 24,
             poles: 6.0,
-            nodes: 6,
-            shortest: 1e-4,
-            found: 1e-7,
-            noise: 1e-6,
             enough: 3e-10,
+            ..Self::FIRST
         },
     ];
 }

@@ -2,7 +2,7 @@
 
 use crate::spectral::fit::field::{PlaneNode, Sizes};
 use crate::spectral::geometry::boundary::State;
-use crate::spectral::geometry::ring::RingContact;
+use crate::spectral::geometry::ring::{RingContact, StateChange};
 use crate::spectral::setup::Setup;
 
 /// Largest violations over what is tolerated, and the contact set with them mended, if any.
@@ -114,14 +114,6 @@ struct LoopVerdicts<'a> {
     verdicts: Vec<PlaneVerdict>,
 }
 
-/// Place on a loop at which the state changes.
-struct StateChange {
-    /// Distance along the loop.
-    at: f64,
-    /// Flux from there on where the loop slips; none where it sticks.
-    flux: Option<f64>,
-}
-
 impl<'a> LoopVerdicts<'a> {
     fn new(ring: usize, turn: f64, nodes: &'a [PlaneNode], verdicts: &[PlaneVerdict]) -> Self {
         let own = nodes.iter().zip(verdicts).filter(|(node, _)| node.ring == ring && node.lawful);
@@ -135,19 +127,7 @@ impl<'a> LoopVerdicts<'a> {
         if !self.verdicts.iter().any(|verdict| verdict.is_wrong()) {
             return contact.clone();
         }
-        let changes = self.changes(contact);
-        if changes.is_empty() {
-            return RingContact { arcs: Vec::new(), gaps: self.flux(0).into_iter().collect() };
-        }
-        let mut found = RingContact::default();
-        for (k, StateChange { at: from, flux }) in changes.iter().enumerate() {
-            let next = &changes[(k + 1) % changes.len()];
-            if flux.is_none() {
-                found.arcs.push([*from, from + (next.at - from).rem_euclid(self.turn)]);
-                found.gaps.push(next.flux.expect("a gap follows"));
-            }
-        }
-        found
+        RingContact::of_changes(self.turn, &self.changes(contact), self.flux(0))
     }
 
     /// Position of the node before another one.

@@ -14,7 +14,7 @@ use crate::problem::complex::Complex;
 use crate::problem::law::{BoundaryState, Law};
 use crate::problem::source::Source;
 use crate::spectral::geometry::domain::SidePlace;
-use crate::spectral::geometry::ring::{PlaneRing, RingContact};
+use crate::spectral::geometry::ring::{PlaneRing, RingContact, StateChange};
 use crate::spectral::problem::PlaneProblem;
 use crate::square::load::load;
 use crate::square::multigrid::solve_square;
@@ -159,34 +159,21 @@ impl<'a> NodesOfLoop<'a> {
         self.curve.conditions[k % self.many()]
     }
 
-    /// Arcs that stick, and the flux on the gaps.
+    /// Arcs that stick, and the flux on the gaps; where v changes its sign a short arc.
     fn contact(&self, law: Law) -> RingContact {
-        let mut found = RingContact::default();
-        let changes: Vec<usize> =
-            (0..self.many()).filter(|&k| self.state(k) != self.state(k + 1)).collect();
-        if changes.is_empty() {
-            let slips = Some(self.state(0)).filter(|_| !self.sticks(0));
-            found.gaps.extend(slips.map(|state| flux(state, law)));
-            return found;
-        }
-        // From a gap on, so that the first arc begins before it ends.
-        let turn = changes.iter().position(|&k| !self.sticks(k)).unwrap_or(0);
-        let (mut begin, turned) = (None, changes[turn..].iter().chain(&changes[..turn]));
-        for &k in turned {
-            let arc = match (self.sticks(k), self.sticks(k + 1)) {
-                (false, true) => {
-                    begin = Some(self.beginning(k + 1));
-                    continue;
-                }
-                (true, _) => begin.take().map(|begin| [begin, self.end(k)]),
-                (false, false) => Some(self.arc_between(k)),
+        let mut changes = Vec::new();
+        for k in (0..self.many()).filter(|&k| self.state(k) != self.state(k + 1)) {
+            let [begin, end] = match (self.sticks(k), self.sticks(k + 1)) {
+                (false, true) => [Some(self.beginning(k + 1)), None],
+                (true, _) => [None, Some(self.end(k))],
+                (false, false) => self.arc_between(k).map(Some),
             };
-            let arc =
-                arc.map(|[from, to]| [from, if to <= from { to + self.ring.length() } else { to }]);
-            found.arcs.extend(arc);
-            found.gaps.push(flux(self.state(k + 1), law));
+            let flux = Some(flux(self.state(k + 1), law));
+            changes.extend(begin.map(|at| StateChange { at, flux: None }));
+            changes.extend(end.map(|at| StateChange { at, flux }));
         }
-        found
+        let all = (!self.sticks(0)).then(|| flux(self.state(0), law));
+        RingContact::of_changes(self.ring.length(), &changes, all)
     }
 
     /// Beginning of an arc at its first node.
@@ -210,7 +197,7 @@ impl<'a> NodesOfLoop<'a> {
         self.place(k, beyond.clamp(0.05, 0.95))
     }
 
-    /// Short arc where v changes its sign after a node.
+    /// Ends of a short arc where v changes its sign after a node.
     fn arc_between(&self, k: usize) -> [f64; 2] {
         /// Half of its length, in edges: at a longer one a node would stick.
         const HALF: f64 = 0.1;

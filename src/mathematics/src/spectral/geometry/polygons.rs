@@ -1,8 +1,9 @@
-//! Polygons with contact on all sides, for tests.
+//! Loops of sides and domains for tests.
 
-use super::domain::{PlaneDomain, PlaneError, PlaneSide};
+use super::domain::{PlaneCircle, PlaneDomain, PlaneError, PlaneSide};
 use super::frame::Frame;
 use crate::mesh::Condition;
+use std::f64::consts::PI;
 
 impl PlaneDomain {
     /// Domain with these loops in coordinates of the plane.
@@ -11,12 +12,30 @@ impl PlaneDomain {
     }
 }
 
-/// Polygon with these corners, anticlockwise.
+/// Full circle round the origin.
+pub(in crate::spectral) fn circle(
+    radius: f64,
+    condition: Condition,
+    is_outer: bool,
+) -> Vec<PlaneSide> {
+    let angles = if is_outer { [0.0, 2.0 * PI] } else { [2.0 * PI, 0.0] };
+    let own = PlaneCircle { centre: [0.0; 2], radius };
+    vec![PlaneSide::arc(own, angles, condition, usize::from(!is_outer))]
+}
+
+/// Sides between these corners, with a condition each.
+pub(in crate::spectral) fn loop_of(
+    points: &[[f64; 2]],
+    conditions: &[Condition],
+) -> Vec<PlaneSide> {
+    let ends = |k: usize| [points[k], points[(k + 1) % points.len()]];
+    let sides = conditions.iter().enumerate();
+    sides.map(|(k, &condition)| PlaneSide::segment(ends(k), condition, k)).collect()
+}
+
+/// Polygon with these corners, anticlockwise, in contact on all sides.
 pub(in crate::spectral) fn polygon(points: &[[f64; 2]]) -> PlaneDomain {
-    let side = |k: usize| {
-        PlaneSide::segment([points[k], points[(k + 1) % points.len()]], Condition::Contact, 0)
-    };
-    PlaneDomain::new(vec![(0..points.len()).map(side).collect()]).unwrap()
+    PlaneDomain::new(vec![loop_of(points, &vec![Condition::Contact; points.len()])]).unwrap()
 }
 
 /// Unit square round the origin.

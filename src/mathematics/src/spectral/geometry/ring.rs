@@ -78,7 +78,36 @@ pub(in crate::spectral) struct RingContact {
     pub gaps: Vec<f64>,
 }
 
+/// Place on a loop at which the state changes.
+pub(in crate::spectral) struct StateChange {
+    /// Distance along the loop.
+    pub at: f64,
+    /// Flux from there on where the loop slips; none where it sticks.
+    pub flux: Option<f64>,
+}
+
 impl RingContact {
+    /// Contact set of a loop of this length that sticks and slips in turn from these places on, in walking order; all
+    /// of which slips with a flux, or sticks, if there are none.
+    pub(in crate::spectral) fn of_changes(
+        turn: f64,
+        changes: &[StateChange],
+        all: Option<f64>,
+    ) -> Self {
+        if changes.is_empty() {
+            return Self { arcs: Vec::new(), gaps: all.into_iter().collect() };
+        }
+        let mut found = Self::default();
+        for (k, StateChange { at: from, flux }) in changes.iter().enumerate() {
+            let next = &changes[(k + 1) % changes.len()];
+            if flux.is_none() {
+                found.arcs.push([*from, from + (next.at - from).rem_euclid(turn)]);
+                found.gaps.push(next.flux.expect("a gap follows"));
+            }
+        }
+        found
+    }
+
     /// Flux at a distance along the loop; none where it sticks.
     pub(in crate::spectral) fn flux(&self, t: f64, turn: f64) -> Option<f64> {
         if self.arcs.is_empty() {

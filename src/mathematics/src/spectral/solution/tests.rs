@@ -1,7 +1,7 @@
 //! Solutions of plane problems against digits of other methods, and against each other.
 
-use super::super::geometry::domain::{PlaneCircle, PlaneDomain, PlaneSide};
-use super::super::geometry::polygons::{polygon, square};
+use super::super::geometry::domain::{PlaneDomain, PlaneSide};
+use super::super::geometry::polygons::{circle, polygon, square};
 use super::super::source::polynomial::Polynomial;
 use super::*;
 use crate::mesh::Condition;
@@ -32,16 +32,6 @@ fn seen_lshape() -> PlaneDomain {
 
 fn triangle() -> PlaneDomain {
     polygon(&[[0.0, 0.0], [1.3, 0.1], [0.4, 1.1]])
-}
-
-fn ring(radius: f64, is_outer: bool, condition: Condition) -> Vec<PlaneSide> {
-    let angles = if is_outer { [0.0, 2.0 * PI] } else { [2.0 * PI, 0.0] };
-    vec![PlaneSide::arc(
-        PlaneCircle { centre: [0.0; 2], radius },
-        angles,
-        condition,
-        usize::from(!is_outer),
-    )]
 }
 
 /// Start from points near the ends of arcs, loop by loop, with a flux on all gaps of a loop.
@@ -128,7 +118,7 @@ fn polygons_and_discs_have_the_digits_of_two_levels() {
     let ends = [[0.4959209, 0.0381478], [0.2100324, 0.5775890]];
     let found = solved(triangle(), pieces("halfplane(1,.3,.4)=4; else=-3"), &ends);
     assert!((found.energy + 0.066541739).abs() < 1e-9, "{}", found.energy);
-    let disc = PlaneDomain::new(vec![ring(1.0, true, Condition::Contact)]).unwrap();
+    let disc = PlaneDomain::new(vec![circle(1.0, Condition::Contact, true)]).unwrap();
     let ends = [[0.3312903, -0.9435289], [-0.2427919, 0.9700784]];
     let found = solved(disc.clone(), pieces("halfplane(1,.3,-.1)=4; else=-7"), &ends);
     assert!((found.energy + 4.500172948).abs() < 1e-9, "{}", found.energy);
@@ -176,7 +166,7 @@ fn without_f_nothing_moves_under_friction() {
 fn holes_and_friction_have_the_digits_of_two_levels() {
     let outer = [[-0.5510441, 0.8344761], [0.8789100, 0.4769876]];
     for (condition, energy) in [(Condition::Fixed, -0.693480313), (Condition::Free, -1.042053659)] {
-        let loops = vec![ring(1.0, true, Condition::Contact), ring(0.5, false, condition)];
+        let loops = vec![circle(1.0, Condition::Contact, true), circle(0.5, condition, false)];
         let domain = PlaneDomain::new(loops).unwrap();
         let start = start(&domain, &[(&outer, 0.0), (&[], 0.0)]);
         let source = pieces("disc(.2,.8,.15)=30; else=-2");
@@ -230,7 +220,7 @@ fn on_two_regions(top: f64, others: &str) -> PlaneSource {
 
 #[test]
 fn short_arcs_between_both_signs_of_v_move_to_their_place() {
-    let domain = PlaneDomain::new(vec![ring(1.0, true, Condition::Contact)]).unwrap();
+    let domain = PlaneDomain::new(vec![circle(1.0, Condition::Contact, true)]).unwrap();
     let arcs = vec![[4.8089278, 4.8243186], [1.9340425, 1.9405874]];
     let contact = vec![RingContact { arcs, gaps: vec![0.0, 0.188] }];
     let source = pieces(

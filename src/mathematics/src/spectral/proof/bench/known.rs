@@ -5,6 +5,9 @@ use crate::problem::law::Law;
 use crate::spectral::contact::search::PlaneFound;
 use crate::spectral::fit::Fit;
 use crate::spectral::geometry::domain::{PlaneCircle, PlaneDomain, PlaneSide};
+pub(in crate::spectral::proof) use crate::spectral::geometry::polygons::{
+    circle, loop_of as polygon,
+};
 use crate::spectral::geometry::ring::RingContact;
 use crate::spectral::problem::PlaneProblem;
 use crate::spectral::setup::{Level, Setup};
@@ -53,27 +56,6 @@ pub(in crate::spectral::proof) fn slips(flux: f64) -> RingContact {
 /// f constant on pieces.
 pub(in crate::spectral::proof) fn pieces(f: &str) -> PlaneSource {
     PlaneSource::Pieces(f.parse().unwrap())
-}
-
-/// Full circle round the origin.
-pub(in crate::spectral::proof) fn circle(
-    radius: f64,
-    condition: Condition,
-    is_outer: bool,
-) -> Vec<PlaneSide> {
-    let angles = if is_outer { [0.0, 2.0 * PI] } else { [2.0 * PI, 0.0] };
-    let own = PlaneCircle { centre: [0.0; 2], radius };
-    vec![PlaneSide::arc(own, angles, condition, usize::from(!is_outer))]
-}
-
-/// Polygon with a condition for each side.
-pub(in crate::spectral::proof) fn polygon(
-    points: &[[f64; 2]],
-    conditions: &[Condition],
-) -> Vec<PlaneSide> {
-    let ends = |k: usize| [points[k], points[(k + 1) % points.len()]];
-    let sides = conditions.iter().enumerate();
-    sides.map(|(k, &condition)| PlaneSide::segment(ends(k), condition, k)).collect()
 }
 
 /// Sector of the unit disc, with free straight sides.

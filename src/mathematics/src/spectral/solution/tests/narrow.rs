@@ -1,20 +1,20 @@
 //! Slots, necks and slender holes: brackets of a domain and of its parts by symmetry meet.
 
 use super::*;
+use crate::spectral::geometry::polygons::loop_of;
 
 /// Domain of loops of corners, whose sides are free along these lines x = .. and y = ... .
 fn with_free(loops: &[&[[f64; 2]]], lines: [Option<f64>; 2]) -> PlaneDomain {
     let mut all = Vec::new();
     for points in loops {
-        let side = |k: usize| {
+        let mut conditions = Vec::new();
+        for k in 0..points.len() {
             let ends = [points[k], points[(k + 1) % points.len()]];
-            let on_line =
-                |axis: usize| lines[axis].is_some_and(|at| ends.iter().all(|p| p[axis] == at));
-            let is_free = on_line(0) || on_line(1);
-            let condition = if is_free { Condition::Free } else { Condition::Contact };
-            PlaneSide::segment(ends, condition, usize::from(is_free))
-        };
-        all.push((0..points.len()).map(side).collect());
+            let is_free =
+                (0..2).any(|axis| lines[axis].is_some_and(|at| ends.iter().all(|p| p[axis] == at)));
+            conditions.push(if is_free { Condition::Free } else { Condition::Contact });
+        }
+        all.push(loop_of(points, &conditions));
     }
     PlaneDomain::new(all).unwrap()
 }
@@ -97,12 +97,9 @@ fn contact_that_ends_where_a_side_is_free_ends_in_the_corner() {
         [[0.5, a], [a, 0.5], [-a, 0.5], [-0.5, a], [-0.5, -a], [-a, -0.5], [a, -0.5], [0.5, -a]];
     let whole = bracket_from(square(), F, start(&square(), &[(&ends, 0.0)]));
     // Sides that are free meet the other at right angles and at 45 degrees, where powers are whole.
-    let points = [[0.0, 0.0], [0.5, 0.0], [0.5, 0.5]];
-    let side = |k: usize| {
-        let condition = if k == 1 { Condition::Contact } else { Condition::Free };
-        PlaneSide::segment([points[k], points[(k + 1) % 3]], condition, usize::from(k != 1))
-    };
-    let part = PlaneDomain::new(vec![(0..3).map(side).collect()]).unwrap();
+    let conditions = [Condition::Free, Condition::Contact, Condition::Free];
+    let sides = loop_of(&[[0.0, 0.0], [0.5, 0.0], [0.5, 0.5]], &conditions);
+    let part = PlaneDomain::new(vec![sides]).unwrap();
     // Next to the corner, as Newton's method finds it there.
     let arcs = vec![[a, 0.5 - 1e-8].map(|s| part.rings[0].along(SidePlace { side: 1, s }))];
     let from = PlaneStart { contact: vec![RingContact { arcs, gaps: vec![0.0] }], spacing: 1e-3 };

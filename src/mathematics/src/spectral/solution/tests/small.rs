@@ -27,7 +27,7 @@ fn check_width(name: &str, [lower, upper]: [f64; 2], energy: f64, width: f64) {
 }
 
 fn disc() -> PlaneDomain {
-    PlaneDomain::new(vec![ring(1.0, true, Condition::Contact)]).unwrap()
+    PlaneDomain::new(vec![circle(1.0, Condition::Contact, true)]).unwrap()
 }
 
 #[test]
@@ -192,7 +192,7 @@ fn region(corners: &[Complex], f: f64) -> PlaneSource {
         let side = PlaneSide::segment(ends, Condition::Free, 0);
         borders.push(RegionBorder { side, regions: [Some(0), Some(1)] });
     }
-    let boundary = &ring(1.0, true, Condition::Contact)[0];
+    let boundary = &circle(1.0, Condition::Contact, true)[0];
     borders.push(RegionBorder { side: *boundary, regions: [Some(1), None] });
     let pieces = [format!("else={f}"), "else=-1".into()].map(|f| f.parse().unwrap()).to_vec();
     PlaneSource::Regions(Regions { borders, pieces })
