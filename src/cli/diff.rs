@@ -204,69 +204,57 @@ fn summary(table: &TableComparison) -> [String; 3] {
     ]
 }
 
-fn text(table: &TableComparison, grids: &[String]) -> String {
-    let mut shown = Table::new(head(grids, &["Delta a"]), &[]);
+/// Returns a table with r, the counts, and ours and the published Delta a; `shown` writes each number of ours with its
+/// mark, and a count with the published one.
+fn marked(
+    table: &TableComparison,
+    grids: &[String],
+    shown: impl Fn(String, Mark, Option<usize>) -> String,
+) -> Table {
+    let head = ["r"].into_iter().chain(grids.iter().map(String::as_str));
+    let mut marked = Table::new(head.chain(["Δa ours", "Δa paper"]), &[]);
     for row in &table.rows {
-        let mut cells =
-            counts(row, |mark, [ours, paper]| format!("{ours}{} {paper:>3}", mark.sign()));
-        let sign = Mark::of_delta_a(row).sign();
-        cells.push(format!("{:.2e}{sign} {:.1e}", row.delta_a_ours, row.delta_a_paper));
-        shown.rows.push(cells);
+        let mut cells = vec![row.r.to_string()];
+        for (level, (ours, paper)) in row.ours.iter().zip(&row.paper).enumerate() {
+            cells.push(shown(ours.to_string(), Mark::of_count(row, level), Some(*paper)));
+        }
+        cells.push(shown(format!("{:.2e}", row.delta_a_ours), Mark::of_delta_a(row), None));
+        cells.push(format!("{:.1e}", row.delta_a_paper));
+        marked.rows.push(cells);
     }
+    marked
+}
+
+fn text(table: &TableComparison, grids: &[String]) -> String {
+    let shown = marked(table, grids, |ours, mark, paper| {
+        let paper = paper.map_or(String::new(), |paper| format!(" {paper:>3}"));
+        format!("{ours}{}{paper}", mark.sign())
+    });
     let title = styled(&format!("Table {} ({})", table.table, table.scene), AnsiColor::Cyan);
     let summary = paragraph(&summary(table).join("\n"));
     let title = paragraph(&format!("{title}: ours, then the paper's"));
     format!("{title}\n{}{summary}\n", coloured(&in_columns(&shown)))
 }
 
-/// Returns a table in LaTeX: ours, and where it is another the published number behind its mark.
+/// Returns a table in LaTeX: ours, and where a count is another the published one behind its mark.
 fn tex(table: &TableComparison, grids: &[String]) -> String {
-    let mut shown = Table::new(head(grids, &["Δa ours", "Δa paper"]), &[]);
-    for row in &table.rows {
-        let mut cells = counts(row, |mark, [ours, paper]| match mark {
-            Mark::Exact => ours.to_string(),
-            mark => format!("{ours} {} {paper}", mark.sign()),
-        });
-        cells.push(format!("{:.2e}", row.delta_a_ours));
-        cells.push(format!("{:.1e}", row.delta_a_paper));
-        shown.rows.push(cells);
-    }
+    let shown = marked(table, grids, |ours, mark, paper| match paper {
+        Some(paper) if mark != Mark::Exact => format!("{ours} {} {paper}", mark.sign()),
+        _ => ours,
+    });
     let TableComparison { table: number, scene, .. } = table;
     format!("% Table {number} ({scene}): {}\n{}", summary(table).join("; "), shown.tex())
 }
 
 fn markdown(table: &TableComparison, grids: &[String]) -> String {
-    let mut shown = Table::new(head(grids, &["Δa ours", "Δa paper"]), &[]);
-    for row in &table.rows {
-        let mut cells = counts(row, |mark, [ours, paper]| match mark {
-            Mark::Exact => ours.to_string(),
-            mark => format!("**{ours}** {} {paper}", mark.sign()),
-        });
-        cells.push(match Mark::of_delta_a(row) {
-            Mark::Exact => format!("{:.2e}", row.delta_a_ours),
-            mark => format!("**{:.2e}** {}", row.delta_a_ours, mark.sign()),
-        });
-        cells.push(format!("{:.1e}", row.delta_a_paper));
-        shown.rows.push(cells);
-    }
+    let shown = marked(table, grids, |ours, mark, paper| match mark {
+        Mark::Exact => ours,
+        _ => {
+            let paper = paper.map_or(String::new(), |paper| format!(" {paper}"));
+            format!("**{ours}** {}{paper}", mark.sign())
+        }
+    });
     let TableComparison { table: number, scene, .. } = table;
     let (scene, summary) = (in_markdown(scene), summary(table).join("; "));
     format!("**Table {number}** ({scene}): {summary}\n\n{}", shown.markdown(str::to_owned))
-}
-
-/// Returns r, and ours and the published number of each count as `shown` writes them.
-fn counts(row: &RowComparison, shown: impl Fn(Mark, [usize; 2]) -> String) -> Vec<String> {
-    let mut cells = vec![row.r.to_string()];
-    for (level, (&ours, &paper)) in row.ours.iter().zip(&row.paper).enumerate() {
-        cells.push(shown(Mark::of_count(row, level), [ours, paper]));
-    }
-    cells
-}
-
-/// Returns the names of the columns, `last` those after the counts.
-fn head(grids: &[String], last: &[&str]) -> Vec<String> {
-    let mut head = vec!["r".to_owned()];
-    head.extend_from_slice(grids);
-    head.extend(last.iter().map(|name| (*name).to_owned()));
-    head
 }

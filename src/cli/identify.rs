@@ -1,13 +1,12 @@
 //! `identify`: the search for the right-hand sides of Figure 1, as the stage of that name makes it.
 
-mod table;
-
 use super::interrupt::{at_work, interrupted};
 use super::output::{say_json, talk, tell};
 use super::project_root;
 use crate::pipeline::error::{Error, Result, from_record};
 use crate::replication::identified::IdentifiedRecord;
 use crate::replication::project::{IDENTIFIED, Project};
+use crate::table::Table;
 use clap::Args;
 use serde::Serialize;
 use signorini_mathematics::identify::{Found, SearchReport, Target, Variant};
@@ -33,24 +32,11 @@ pub(super) struct IdentifyArgs {
     json: bool,
 }
 
-/// Published tables, and what is asked about them.
-struct Search {
-    /// Range of the values of f, `MIN:MAX:STEP`.
-    values: String,
-    tables: Vec<Published>,
-}
-
-/// A published table, and the f that are on record for it.
-struct Published {
-    number: u8,
-    target: Target,
-    /// By their values on the quadrants.
-    recorded: Vec<[f64; 4]>,
-}
-
-/// Results for one table.
+/// Results for one table under one reading of the method.
 #[derive(Debug, Serialize)]
 struct Answer {
+    /// Reading of the method, in words.
+    reading: String,
     problem: u8,
     /// The f on record, run again.
     recorded: Vec<Found>,
@@ -58,94 +44,108 @@ struct Answer {
     report: SearchReport,
 }
 
-/// Results of the search under one reading of the method.
-#[derive(Debug, Serialize)]
-struct Reading {
-    variant: Variant,
-    description: String,
-    /// In the order of the tables.
-    searches: Vec<SearchReport>,
-}
+const LEGEND: &str = "
+counts      published counts that come out exactly
+Delta a     values that agree to the two printed digits
+integral    of f over the square; (2) asks for less than zero
+";
 
 pub(super) fn identify(args: &IdentifyArgs) -> Result<u8> {
-    let search = Search::read(&Project::read(project_root()?)?)?;
-    // However it is interrupted, what was found is shown.
-    let _at_work = at_work();
-    if args.variants {
-        search.compare(args.json)?;
-    } else {
-        search.find(args.json)?;
-    }
+    let answers = answers(&Project::read(project_root()?)?, args.variants)?;
+    let shown = match (args.json, args.variants) {
+        (true, _) => say_json(&serde_json::json!({ "schema": 1, "problems": answers })),
+        (_, true) => tell(&extents(&answers)),
+        (_, false) => tell(&(answers.iter().map(found).collect::<Vec<_>>().join("\n") + LEGEND)),
+    };
+    shown?;
     match interrupted().is_asked() {
         true => Ok(Error::Interrupted.exit_code()),
         false => Ok(0),
     }
 }
 
-impl Search {
-    /// Reads the tables of the paper, and the questions about them.
-    fn read(project: &Project) -> Result<Self> {
-        // A search takes long: better in a project without mistakes.
-        project.select(&[])?;
-        if project.paper.table.is_empty() {
-            return Err(Error::input("no published table is in pipeline/paper.toml; add one"));
-        }
-        let Some(file) = project.files.get(IDENTIFIED) else {
-            return Err(Error::input(format!("{IDENTIFIED} is not there; restore it")));
-        };
-        let record: IdentifiedRecord = from_record(IDENTIFIED, file.bytes()?)?;
-        let mut tables = Vec::new();
-        for number in project.paper.table.iter().map(|table| table.number) {
-            let recorded = record.alternatives(number).to_vec();
-            tables.push(Published { number, target: project.paper.target(number)?, recorded });
-        }
-        Ok(Self { values: record.questions.values, tables })
+/// Searches for f, reading by reading and table by table; however it is interrupted, what was found is kept.
+fn answers(project: &Project, with_variants: bool) -> Result<Vec<Answer>> {
+    // A search takes long: better in a project without mistakes.
+    project.select(&[])?;
+    if project.paper.table.is_empty() {
+        return Err(Error::input("no published table is in pipeline/paper.toml; add one"));
     }
-
-    /// Runs the f on record and searches, for each table in turn, and shows what was found.
-    fn find(&self, json: bool) -> Result<()> {
-        let mut answers = Vec::new();
-        for table in &self.tables {
-            let recorded = table.target.found(&Variant::default(), &table.recorded);
-            let recorded = recorded.map_err(refused)?;
-            let report = self.searched(table, &Variant::default())?;
-            answers.push(Answer { problem: table.number, recorded, report });
+    let Some(file) = project.files.get(IDENTIFIED) else {
+        return Err(Error::input(format!("{IDENTIFIED} is not there; restore it")));
+    };
+    let record: IdentifiedRecord = from_record(IDENTIFIED, file.bytes()?)?;
+    let readings = if with_variants { Variant::neighbours() } else { vec![Variant::default()] };
+    let (_at_work, mut answers) = (at_work(), Vec::new());
+    for variant in readings.iter().take_while(|_| !interrupted().is_asked()) {
+        let reading = variant.to_string();
+        if with_variants {
+            talk(&reading);
         }
-        if json {
-            return say_json(&serde_json::json!({ "schema": 1, "problems": answers })).map(drop);
+        for problem in project.paper.table.iter().map(|table| table.number) {
+            let target: Target = project.paper.target(problem)?;
+            let known = if with_variants { &[][..] } else { record.alternatives(problem) };
+            let recorded = target.found(variant, known);
+            let stop = interrupted().flag();
+            let report = target.searched(&record.questions.values, variant, stop);
+            answers.push(Answer {
+                reading: reading.clone(),
+                problem,
+                recorded: recorded.map_err(refused)?,
+                report: report.map_err(refused)?,
+            });
         }
-        let parts: Vec<_> = answers.iter().map(table::found).collect();
-        tell(&(parts.join("\n") + table::LEGEND)).map(drop)
     }
-
-    /// Repeats the search under each reading of the method, and shows how far it comes in each.
-    fn compare(&self, json: bool) -> Result<()> {
-        let numbers: Vec<u8> = self.tables.iter().map(|table| table.number).collect();
-        let mut readings = Vec::new();
-        for variant in Variant::neighbours() {
-            let searches: Result<Vec<_>> =
-                self.tables.iter().map(|table| self.searched(table, &variant)).collect();
-            if interrupted().is_asked() {
-                break;
-            }
-            let description = variant.to_string();
-            talk(&description);
-            readings.push(Reading { variant, description, searches: searches? });
-        }
-        if json {
-            let json =
-                serde_json::json!({ "schema": 1, "problems": numbers, "readings": readings });
-            return say_json(&json).map(drop);
-        }
-        tell(&table::readings(&readings, &numbers)).map(drop)
-    }
-
-    fn searched(&self, table: &Published, variant: &Variant) -> Result<SearchReport> {
-        let stop = interrupted().flag();
-        table.target.searched(&self.values, variant, stop).map_err(refused)
-    }
+    Ok(answers)
 }
 
 fn refused(error: impl Display) -> Error {
     Error::input(format!("{IDENTIFIED}: values: {error}"))
+}
+
+/// The f on record and the f found for one table.
+fn found(answer: &Answer) -> String {
+    let report = &answer.report;
+    let mut out = format!("Problem {}\n", answer.problem);
+    if !answer.recorded.is_empty() {
+        out += &format!("on record\n{}\n", table(&answer.recorded));
+    }
+    out += &format!("{} candidates tried", report.tried);
+    for (level, runs) in report.reached.iter().enumerate().skip(1) {
+        out += &format!(", {runs} reach grid {}", level + 1);
+    }
+    out += if report.complete { "\n" } else { "; stopped early\n" };
+    if report.found.is_empty() {
+        return out
+            + "none gives all counts; a wider range `values`, or a smaller step, has more f\n";
+    }
+    out + &table(&report.found)
+}
+
+fn table(all: &[Found]) -> String {
+    let mut table = Table::new(["counts", "Delta a", "integral", "f"], &[3]);
+    for Found { f, integral, exact, cells, delta_a, delta_a_exact } in all {
+        table.rows.push(vec![
+            format!("{exact}/{cells}"),
+            format!("{delta_a_exact}/{}", delta_a.len()),
+            // No negative zero, from rounding or not.
+            format!("{:.4}", if integral.abs() < 5e-5 { 0.0 } else { *integral }),
+            f.clone(),
+        ]);
+    }
+    table.text()
+}
+
+/// Number of f with all counts, on all grids or on as many as there are such f for, under each reading of the method.
+fn extents(answers: &[Answer]) -> String {
+    let mut table = Table::new(["problem", "f", "grids", "reading of the method"], &[3]);
+    for Answer { reading, problem, report, .. } in answers {
+        let (all, mut reached) = (report.reached.len(), report.reached[1..].to_vec());
+        reached.push(report.exact);
+        let grids = reached.iter().rposition(|f| *f > 0).map_or(0, |grids| grids + 1);
+        let f = grids.checked_sub(1).map_or(0, |last| reached[last]);
+        let cells = [problem.to_string(), f.to_string(), format!("{grids} of {all}")];
+        table.rows.push([&cells[..], std::slice::from_ref(reading)].concat());
+    }
+    table.text() + "number of f with all counts on so many grids, the most on which there are any\n"
 }

@@ -11,11 +11,9 @@ use crate::pipeline::{Options, Plan, Progress, Summary, why};
 use crate::replication::comparison::{TableComparison, Tables};
 use crate::replication::project::Project;
 use crate::replication::scene::Scene;
-use crate::replication::stages::report::stand_ins::stand_ins;
 use crate::replication::stages::tabulate::remarks;
 use crate::replication::stages::{Stage, report, scene_of, solve};
 use clap::{Args, ValueEnum};
-use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 #[derive(Args, Clone, Debug)]
@@ -38,8 +36,7 @@ pub(super) struct RunArgs {
     /// Run everything again, and overwrite figures and pages edited by hand
     #[arg(short, long)]
     force: bool,
-    /// After a failure, go on with what does not depend on it; the book and results.csv are made without scenes that
-    /// fail
+    /// After a failure, go on with what does not depend on it
     #[arg(short, long, hide_short_help = true)]
     keep_going: bool,
     /// Threads; 0 is one per core. Results do not depend on it
@@ -65,9 +62,8 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
         return single_tasks(args);
     }
     let mut workplace = Workplace::open_for(&args.cache, &args.scenes)?;
-    let (scenes, unread) = args.readable(&workplace.project);
-    let mut plan = args.plan(&workplace, &scenes)?;
-    let scope = args.scope(&unread);
+    let mut plan = args.plan(&workplace)?;
+    let scope = args.scope();
     args.note_ignored(&workplace.project);
     if args.dry_run {
         let summary = workplace.rehearse(&mut plan, scope, args.options(), &args.progress())?;
@@ -79,22 +75,15 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
             false => verdicts(&summary),
         };
         tell(&(left_out(&workplace.project, &plan) + &verdicts))?;
-        return failed([unread, summary.failed].concat());
+        return match summary.failed.is_empty() {
+            true => Ok(0),
+            false => Err(Error::Stage(summary.failed)),
+        };
     }
     let start = Instant::now();
-    let ran = workplace.run(&mut plan, scope, args.options(), &args.progress());
-    let summary = match ran {
-        Err(Error::Stage(reasons)) => {
-            let reasons = match args.keep_going && scope == Scope::Whole {
-                true => args.run_without_failed(&mut workplace, &plan, reasons)?,
-                false => reasons,
-            };
-            return failed([unread, reasons].concat());
-        }
-        ran => ran?,
-    };
+    let summary = workplace.run(&mut plan, scope, args.options(), &args.progress())?;
     let tables = comparisons(&workplace, &summary.manifests)?;
-    args.talk_of_run(&workplace, &scenes, (&summary, &tables))?;
+    args.talk_of_run(&workplace, &summary, &tables)?;
     if !args.quiet && !summary.ran.is_empty() {
         talk(&format!("took {}", brief(start.elapsed())));
     }
@@ -107,7 +96,7 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
         tell(&nothing_to_do(&workplace, &summary, &tables))?;
         // The process ends; freeing its memory first would be a noticeable part of so short a run.
         std::mem::forget((workplace, plan, summary));
-        return failed(unread);
+        return Ok(0);
     }
     tell(
         &(left_out(&workplace.project, &plan)
@@ -116,23 +105,7 @@ pub(super) fn run(args: &RunArgs) -> Result<u8> {
             + &agreement(&workplace.project, &tables).map_or(String::new(), |line| line + "\n")
             + &book(&summary)),
     )?;
-    failed(unread)
-}
-
-/// Ends a command with these reasons for which some of it could not be done, if there are any.
-fn failed(reasons: Vec<String>) -> Result<u8> {
-    if reasons.is_empty() { Ok(0) } else { Err(Error::Stage(reasons)) }
-}
-
-/// Returns the scenes of the project of which a task failed, each with the first reason.
-fn failed_scenes(project: &Project, reasons: &[String]) -> BTreeMap<String, String> {
-    let mut failed = BTreeMap::new();
-    for (id, reason) in reasons.iter().filter_map(|line| line.split_once(": ")) {
-        if let Some(scene) = scene_of(id).filter(|name| project.scene(name).is_ok()) {
-            failed.entry(scene.to_owned()).or_insert_with(|| reason.to_owned());
-        }
-    }
-    failed
+    Ok(0)
 }
 
 /// Runs single tasks beside other processes that do the same.
@@ -178,26 +151,12 @@ fn book(summary: &Summary) -> String {
 }
 
 impl RunArgs {
-    /// Returns the names of the scenes to run, none for all, and why others cannot be read: without `--keep-going`, or
-    /// if there is no other, each is asked for, and so refused.
-    fn readable(&self, project: &Project) -> (Vec<String>, Vec<String>) {
-        let asked = |name: &String| self.scenes.is_empty() || self.scenes.contains(name);
-        let names = project.scenes.iter().map(|scene| &scene.name).filter(|name| asked(name));
-        let names: Vec<String> = names.cloned().collect();
-        let unread = project.broken.iter().filter(|(name, _)| asked(name));
-        let unread: Vec<String> = unread.map(|(_, why)| why.clone()).collect();
-        match self.keep_going && !self.locked && !names.is_empty() && !unread.is_empty() {
-            true => (names, unread),
-            false => (self.scenes.clone(), Vec::new()),
-        }
-    }
-
     /// Plan of the tasks asked for.
     ///
     /// # Errors
     /// [`Error::Input`] if there are none.
-    fn plan(&self, workplace: &Workplace, scenes: &[String]) -> Result<Plan> {
-        let plan = workplace.tasks(scenes, self.only)?;
+    fn plan(&self, workplace: &Workplace) -> Result<Plan> {
+        let plan = workplace.tasks(&self.scenes, self.only)?;
         if !plan.tasks().is_empty() {
             return Ok(plan);
         }
@@ -209,40 +168,9 @@ impl RunArgs {
         Err(Error::input(format!("there is nothing of this kind to make; {remedy}")))
     }
 
-    /// Makes of the other scenes what shows all scenes, if tasks of the plan failed for these reasons; returns the
-    /// reasons for what is not made.
-    fn run_without_failed(
-        &self,
-        workplace: &mut Workplace,
-        plan: &Plan,
-        mut reasons: Vec<String>,
-    ) -> Result<Vec<String>> {
-        let failed = failed_scenes(&workplace.project, &reasons);
-        workplace.project.leave_out(&failed, stand_ins(plan.tasks(), &failed));
-        if failed.is_empty() || workplace.project.scenes.is_empty() {
-            return Ok(reasons);
-        }
-        let mut others = workplace.tasks(&[], None)?;
-        let ran = workplace.run(&mut others, Scope::Part, self.options(), &self.progress());
-        reasons
-            .retain(|line| line.split_once(": ").is_none_or(|(id, _)| others.task(id).is_none()));
-        match ran {
-            Ok(summary) => {
-                let names = failed.into_keys().collect::<Vec<_>>().join(", ");
-                tell(&format!(
-                    "all that shows several scenes is made without {names}\n{}",
-                    book(&summary)
-                ))?;
-            }
-            Err(Error::Stage(more)) => reasons.extend(more),
-            Err(other) => return Err(other),
-        }
-        Ok(reasons)
-    }
-
-    /// Part of the project that is run, in which some scenes are `unread`.
-    fn scope(&self, unread: &[String]) -> Scope {
-        match self.scenes.is_empty() && self.only.is_none() && unread.is_empty() {
+    /// Part of the project that is run.
+    fn scope(&self) -> Scope {
+        match self.scenes.is_empty() && self.only.is_none() {
             true if self.locked => Scope::Locked,
             true => Scope::Whole,
             false => Scope::Part,
@@ -269,15 +197,15 @@ impl RunArgs {
     fn talk_of_run(
         &self,
         workplace: &Workplace,
-        scenes: &[String],
-        (summary, tables): (&Summary, &[TableComparison]),
+        summary: &Summary,
+        tables: &[TableComparison],
     ) -> Result<()> {
         if !self.quiet {
             // That the discrete problems of a published table have no solution is a finding, in the book.
             let is_as_published = |scene: &Scene| {
                 tables.iter().any(|table| table.scene == scene.name && table.all_counts_exact())
             };
-            for scene in workplace.project.select(scenes)? {
+            for scene in workplace.project.select(&self.scenes)? {
                 if !is_as_published(scene) {
                     let lines = remarks(scene, |task| numbers_of(workplace, summary, task));
                     lines.iter().for_each(|line| talk(line));

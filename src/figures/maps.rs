@@ -4,7 +4,7 @@ use super::IN_SPACE;
 use super::axes::{Bar, Frame};
 use super::drawn::MOST_CELLS;
 use super::extent::Extent;
-use super::palette::{ColourScale, INK, legible_on};
+use super::palette::{ColourScale, legible_on};
 use super::panels::Panels;
 use super::picture::{NORMAL, Picture, SMALL, italic, plain};
 use super::regions::{Disc, RASTER, raster, regions, widest};
@@ -13,10 +13,8 @@ use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::PlaneMesh;
 use signorini_mathematics::problem::source::Source;
 
-/// Sampling distance along borders between pieces.
-const BORDER_STEP: f64 = 1.0 / 256.0;
-/// Distance to both sides of a border at which f is compared.
-const BESIDE: f64 = 1e-6;
+/// Attributes of pieces: a line around each, which later pieces cover.
+const PIECE_LINES: &str = "stroke=\"#222222\" stroke-width=\"4\"";
 /// Shades on either side of 0 for a smooth f; more would make the file larger and look the same.
 const BANDS: f64 = 20.0;
 /// Side of a panel in display pixels.
@@ -139,18 +137,15 @@ fn draw_map(
     match f {
         Source::Pieces { background, pieces } => {
             frame.band(picture, frame.x, colours.color(*background));
-            let mut lines = Vec::new();
-            for (region, value) in pieces {
-                let polygon = inside_square(&region.half_planes());
-                if polygon.len() > 2 {
-                    let corners = polygon.iter().map(|&[x, y]| frame.at(x, y));
-                    picture.polygon(corners, colours.color(*value));
+            picture.group(PIECE_LINES, |picture| {
+                for (region, value) in pieces {
+                    let polygon = inside_square(&region.half_planes());
+                    if polygon.len() > 2 {
+                        let corners = polygon.iter().map(|&[x, y]| frame.at(x, y));
+                        picture.polygon(corners, colours.color(*value));
+                    }
                 }
-                lines.extend(borders(f, &polygon));
-            }
-            for line in lines {
-                picture.path(line.iter().map(|&[x, y]| frame.at(x, y)), INK, 1.0);
-            }
+            });
             label_regions(picture, frame, values, colours);
         }
         Source::Exact(_) | Source::Formula(_) => {
@@ -214,47 +209,6 @@ fn clip(polygon: &[Point], [a, b, c]: [f64; 3]) -> Vec<Point> {
     kept
 }
 
-/// Returns the parts, inside the square, of the border of a piece at which f jumps.
-///
-/// f need not jump at a border: a later piece may cover it, and a neighbour may have the same value.
-fn borders(f: &Source, polygon: &[Point]) -> Vec<Vec<Point>> {
-    let mut runs: Vec<Vec<Point>> = Vec::new();
-    let mut drawing = false;
-    for (k, &p) in polygon.iter().enumerate() {
-        let q = polygon[(k + 1) % polygon.len()];
-        let d = [q[0] - p[0], q[1] - p[1]];
-        let length = (d[0] * d[0] + d[1] * d[1]).sqrt();
-        if length == 0.0 {
-            continue;
-        }
-        let pieces = (length / BORDER_STEP).ceil().max(1.0);
-        let normal = [BESIDE * d[1] / length, -BESIDE * d[0] / length];
-        for piece in 0..pieces as usize {
-            let [from, middle, to] = [0.0, 0.5, 1.0].map(|s| {
-                let t = (piece as f64 + s) / pieces;
-                [p[0] + t * d[0], p[1] + t * d[1]]
-            });
-            let [outside, inside] = [1.0, -1.0]
-                .map(|side| [middle[0] + side * normal[0], middle[1] + side * normal[1]]);
-            let within = outside.iter().chain(&inside).all(|c| c.abs() < 0.5);
-            let jump = within && f.at(outside) != f.at(inside);
-            match runs.last_mut() {
-                Some(run) if jump && drawing => {
-                    // Within a straight edge the last sample moves on; a new edge adds a corner.
-                    if piece > 0 && run.len() > 1 {
-                        run.pop();
-                    }
-                    run.push(to);
-                }
-                _ if jump => runs.push(vec![from, to]),
-                _ => {}
-            }
-            drawing = jump;
-        }
-    }
-    runs
-}
-
 /// Prints the value of every connected region in the middle of its largest inscribed disc.
 fn label_regions(picture: &mut Picture, frame: &Frame, values: &[f64], colours: ColourScale) {
     for region in regions(values) {
@@ -276,17 +230,6 @@ mod tests {
     use super::*;
     use crate::figures::samples::svg;
     use signorini_mathematics::mesh::BuiltIn;
-
-    #[test]
-    fn borders_are_drawn_only_where_f_jumps() {
-        let f: Source =
-            "rect(-0.25,0.25,-0.25,0.25)=2; rect(0,0.25,-0.25,0.25)=2; else=-1".parse().unwrap();
-        let right = inside_square(&[[-1.0, 0.0, 0.0], [1.0, 0.0, 0.25], [0.0, 1.0, 0.25]]);
-        let drawn = borders(&f, &right);
-        // The line x = 0 lies between two pieces of the same value.
-        assert!(drawn.iter().flatten().all(|p| p[0] > -0.002));
-        assert!(!drawn.iter().any(|run| run.windows(2).any(|e| e[0][0] == 0.0 && e[1][0] == 0.0)));
-    }
 
     #[test]
     fn every_triangle_has_its_colour() {

@@ -236,7 +236,7 @@ fn dark() -> String {
 }
 
 /// Returns a text as an element of SVG has it.
-pub(crate) fn escaped(text: &str) -> String {
+fn escaped(text: &str) -> String {
     text.chars()
         .filter(|c| !is_forbidden(*c) || *c == '\n')
         .map(|c| match c {

@@ -3,7 +3,7 @@
 use super::axes::{Entry, Frame, LONE, Sample};
 use super::palette::{INK, MUTED, RGBColor, RULE};
 use super::picture::{END, NORMAL, Picture, Place, SMALL, START, UPWARDS, plain};
-use super::polyline::thinned;
+use super::polyline::simplified;
 use super::series::{Chart, Curve, Stroke};
 
 /// Chart in its frame.
@@ -83,7 +83,7 @@ impl Plot<'_> {
                 _ => curve.stroke.attributes(),
             };
             if own == attributes && curve.points.len() > 1 {
-                picture.path(thinned(&self.places(curve)), self.color(curve), curve.width);
+                picture.path(simplified(&self.places(curve)), self.color(curve), curve.width);
             }
         }
     }

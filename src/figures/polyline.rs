@@ -43,37 +43,6 @@ fn squared_distance((x, y): Place, [(x0, y0), (x1, y1)]: [Place; 2]) -> f64 {
     ex * ex + ey * ey
 }
 
-/// Keeps at most four points per half display pixel across: first, lowest, highest, last.
-///
-/// All points of long runs would make large files that look the same.
-pub(super) fn thinned(places: &[Place]) -> Vec<Place> {
-    let mut kept = Vec::new();
-    for run in places.chunk_by(|a, b| column(a) == column(b)) {
-        if run.len() <= 4 {
-            kept.extend_from_slice(run);
-            continue;
-        }
-        let (mut lowest, mut highest) = (0, 0);
-        for (k, (_, y)) in run.iter().enumerate() {
-            if y.total_cmp(&run[lowest].1).is_gt() {
-                lowest = k;
-            }
-            if y.total_cmp(&run[highest].1).is_lt() {
-                highest = k;
-            }
-        }
-        let mut picks = [0, lowest, highest, run.len() - 1];
-        picks.sort_unstable();
-        kept.extend(picks.map(|k| run[k]));
-    }
-    kept
-}
-
-/// Returns the number of the half display pixel that holds a place.
-fn column(place: &Place) -> i64 {
-    (2.0 * place.0) as i64
-}
-
 /// Greatest distance from one of the places to a line.
 #[cfg(test)]
 pub(super) fn farthest(places: &[Place], line: &[Place]) -> f64 {
@@ -127,20 +96,5 @@ mod tests {
         assert_eq!(simplified(&closed), [side(0), side(900), side(0)]);
         assert_eq!(simplified(&[(1.0, 2.0)]), [(1.0, 2.0)]);
         assert!(simplified(&[]).is_empty());
-    }
-
-    #[test]
-    fn thinning_keeps_the_envelope_and_the_order() {
-        let places: Vec<Place> =
-            (0..100_000).map(|k| (f64::from(k) * 0.006, f64::from((k * 7919) % 1009))).collect();
-        let thin = thinned(&places);
-        assert!(thin.len() < 5000);
-        assert!(thin.is_sorted_by(|a, b| a.0 <= b.0));
-        assert_eq!(greatest_height(&thin), greatest_height(&places));
-        assert_eq!((thin[0], thin.last()), (places[0], places.last()));
-    }
-
-    fn greatest_height(places: &[Place]) -> f64 {
-        places.iter().map(|place| place.1).fold(0.0, f64::max)
     }
 }

@@ -336,16 +336,3 @@ fn unusual_pictures_are_drawn_too() {
         assert!(svg.len() < 400_000, "{name} has {} bytes", svg.len());
     }
 }
-
-/// Writes all figures to the folder named by `SIGNORINI_FIGURES`, to be looked at.
-#[test]
-#[ignore = "writes files to look at"]
-fn write_all() {
-    let folder = std::env::var("SIGNORINI_FIGURES").expect("a folder in SIGNORINI_FIGURES");
-    for (name, svg) in every() {
-        std::fs::write(format!("{folder}/{name}.svg"), svg).unwrap();
-    }
-    for (name, picture) in scaled(-1e150, 1.5e150) {
-        std::fs::write(format!("{folder}/large-{name}.svg"), svg(&picture)).unwrap();
-    }
-}

@@ -39,8 +39,6 @@ pub struct Project {
     pub templates: InputFiles,
     /// True if only some scenes were read: then no task is planned that concerns several scenes.
     pub(crate) partial: bool,
-    /// Files of scenes that failed, by their paths in the pages, each with the reason.
-    pub(crate) stand_ins: BTreeMap<String, String>,
 }
 
 impl Project {
@@ -128,7 +126,6 @@ impl Project {
             files,
             templates: InputFiles::new(),
             partial: false,
-            stand_ins: BTreeMap::new(),
         })
     }
 
@@ -177,16 +174,6 @@ impl Project {
             signorini_book::check_settings(file.bytes()?)?;
         }
         Ok(checked)
-    }
-
-    /// Leaves out scenes that failed; pages have these files in place of theirs.
-    pub(crate) fn leave_out(
-        &mut self,
-        failed: &BTreeMap<String, String>,
-        stand_ins: BTreeMap<String, String>,
-    ) {
-        self.scenes.retain(|scene| !failed.contains_key(&scene.name));
-        self.stand_ins = stand_ins;
     }
 
     /// Returns the scenes with these names, each once, or all if no name is given.

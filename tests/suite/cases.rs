@@ -203,7 +203,7 @@ fn pages_have_as_many_faults_as_promised() {
         (
             "runs",
             "## A record that is damaged",
-            "lock.toml is damaged;",
+            "[..]/pipeline/lock.toml: line",
             "`pipeline/lock.toml` damaged",
         ),
     ] {

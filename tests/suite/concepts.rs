@@ -3,9 +3,7 @@
 //!
 //! No file is exempt; code for tests alone does not count.
 
-use crate::layout::{
-    code_below, mathematics, modules_of_tests, paths_after, source_folder, without_tests,
-};
+use crate::layout::{code_below, mathematics, paths_after, source_folder};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most items of the mathematics that the program names.
@@ -77,29 +75,4 @@ fn levels_are_geometry_and_load() {
     // Nor are there others beside the trait.
     let beside = sources.values().filter(|code| code.contains("impl dyn Levels"));
     assert_eq!(beside.count(), 0);
-}
-
-#[test]
-fn names_are_counted_once_each_in_groups_and_in_code() {
-    let code = without_tests(
-        "use signorini_mathematics::bounds::{self, Bounds, inner::{A, B as C}};\n\
-         // use signorini_mathematics::not::This;\n\
-         use signorini_mathematics::solvers::Solver;\n\
-         fn f() { signorini_mathematics::machine::streams(); signorini_mathematics::solvers::Solver::named(1); }\n\
-         #[cfg(test)]\nmod tests {\nuse signorini_mathematics::mesh::Never;",
-    );
-    let expected = [
-        "bounds",
-        "bounds::Bounds",
-        "bounds::inner::A",
-        "bounds::inner::B",
-        "machine::streams",
-        "solvers::Solver",
-        "solvers::Solver::named",
-    ];
-    assert_eq!(named(&code), expected.map(String::from).into());
-    assert_eq!(
-        modules_of_tests("#[cfg(test)]\nmod samples;\n#[cfg(test)]\npub(super) mod tests;"),
-        ["samples", "tests"]
-    );
 }

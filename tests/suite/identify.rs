@@ -228,18 +228,6 @@ fn a_raised_flag_keeps_what_was_found() {
 }
 
 #[test]
-fn neighbours_are_distinct_and_described() {
-    let all = Variant::neighbours();
-    for (i, variant) in all.iter().enumerate() {
-        assert!(
-            all[..i]
-                .iter()
-                .all(|other| other != variant && other.to_string() != variant.to_string())
-        );
-    }
-}
-
-#[test]
 fn counts_are_held_where_free_runs_give_them() {
     let target = published(2);
     let mut evaluator = evaluator(&target, &Variant::default());

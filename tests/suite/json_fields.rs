@@ -8,8 +8,8 @@ use std::fs;
 /// Paths of fields, with a colon before each that is one of the field before.
 type Fields = BTreeSet<String>;
 
-/// Fields whose values are settings or readings by name, of which each has fields of its own.
-const OPEN: [&str; 3] = ["readings: variant", "readings: searches", "own_mesh"];
+/// Fields whose values are settings by name, of which each has fields of its own.
+const OPEN: [&str; 1] = ["own_mesh"];
 
 /// Objects whose fields are ids.
 const BY_ID: &str = "tasks";

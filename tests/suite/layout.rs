@@ -101,14 +101,14 @@ fn place(path: &str) -> &str {
 }
 
 /// Names of the modules in files of their own that a text declares for tests alone.
-pub(crate) fn modules_of_tests(text: &str) -> Vec<&str> {
+fn modules_of_tests(text: &str) -> Vec<&str> {
     let after = text.split("#[cfg(test)]\n").skip(1);
     let declared = after.filter_map(|rest| rest.lines().next()?.trim().strip_suffix(';'));
     declared.filter_map(|line| Some(line.rsplit_once("mod ")?.1)).collect()
 }
 
 /// Code of a text: without lines of comments, and without the unit tests, which end a file.
-pub(crate) fn without_tests(text: &str) -> String {
+fn without_tests(text: &str) -> String {
     let tests =
         ["mod tests {", "pub(super) mod tests {"].map(|line| format!("#[cfg(test)]\n{line}"));
     let code = tests.iter().fold(text, |code, tests| code.split(tests.as_str()).next().unwrap());
@@ -275,23 +275,6 @@ fn modules_of_a_room_form_no_circle() {
             }
         }
     }
-}
-
-#[test]
-fn paths_are_read_out_of_groups_and_names_are_followed_to_where_they_are_defined() {
-    let code =
-        "use super::{Best, verdict::{Tally, Verdict as V}, *};\nlet x = crate::a::f::<T>(b);";
-    let joined =
-        |root| paths_after(code, root).iter().map(|path| path.join("::")).collect::<Vec<_>>();
-    assert_eq!(joined("super::"), ["Best", "verdict::Tally", "verdict::Verdict", ""]);
-    assert_eq!(joined("crate::"), ["a::f::"]);
-    let names = |text: &str| text.split("::").map(str::to_owned).collect::<Vec<_>>();
-    let modules = Modules::read();
-    assert_eq!(modules.module_of(&names("identify::Findings::of")), names("identify::findings"));
-    let used = modules.used_by(&names("identify::evaluate::runs"));
-    assert!(used.contains(&names("saddle::nested")), "{used:?}");
-    let used = modules.used_by(&names("pipeline::store"));
-    assert!(used.contains(&names("pipeline::error")), "{used:?}");
 }
 
 #[test]

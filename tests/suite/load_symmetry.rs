@@ -1,4 +1,4 @@
-//! Loads do not change when a half-plane is scaled, and turn with the cube; those of smooth f fit either diagonal.
+//! Loads do not change when a half-plane is scaled, and turn with the cube.
 
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
@@ -6,7 +6,6 @@ use signorini_mathematics::mesh::{mesh_load, uniform_cube};
 use signorini_mathematics::problem::shape::Shape;
 use signorini_mathematics::square::load::load;
 
-use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::source::Source;
 
 #[test]
@@ -59,49 +58,6 @@ fn turning_the_cube_turns_the_load() {
                 let ours = turned[i + 8 * j + 64 * k];
                 assert!((ours - want).abs() < 1e-14, "{body} {axes:?} {node}: {ours} {want}");
             }
-        }
-    }
-}
-
-#[test]
-fn smooth_loads_are_the_integrals_over_the_triangles_of_either_diagonal() {
-    let (f, n, parts) = (Exact::FullContact, 24, 8);
-    let grid = Grid::new(n).unwrap();
-    for diagonal in [Diagonal::Rising, Diagonal::Falling] {
-        let mut want = vec![0.0; grid.nodes()];
-        for (i, j, upper) in (0..2 * n * n).map(|k| (k / 2 % n, k / 2 / n, k % 2 == 1)) {
-            let corners = match (diagonal, upper) {
-                (Diagonal::Rising, false) => [[0, 0], [1, 0], [1, 1]],
-                (Diagonal::Rising, true) => [[0, 0], [1, 1], [0, 1]],
-                (Diagonal::Falling, false) => [[0, 0], [1, 0], [0, 1]],
-                (Diagonal::Falling, true) => [[1, 0], [1, 1], [0, 1]],
-            };
-            let nodes = corners.map(|[a, b]| [i + a, j + b]);
-            // The rule of the midpoints of sides, exact for quadratics, on small triangles.
-            let area = 0.5 * (grid.h() / parts as f64).powi(2);
-            let small = |a: usize, b: usize| {
-                let up = [[a, b], [a + 1, b], [a, b + 1]];
-                let down = [[a + 1, b + 1], [a + 1, b], [a, b + 1]];
-                [Some(up), (a + b + 2 <= parts).then_some(down)].into_iter().flatten()
-            };
-            for corner in (0..parts).flat_map(|a| (0..parts - a).flat_map(move |b| small(a, b))) {
-                for side in 0..3 {
-                    let [p, q] = [corner[side], corner[(side + 1) % 3]];
-                    let [s, t] = [0, 1].map(|k| (p[k] + q[k]) as f64 / (2 * parts) as f64);
-                    let hats = [1.0 - s - t, s, t];
-                    let [x, y] = [0, 1].map(|k| {
-                        let of = |node: &[usize; 2]| grid.coordinate(node[k]);
-                        nodes.iter().zip(hats).map(|(node, hat)| hat * of(node)).sum::<f64>()
-                    });
-                    for (node, hat) in nodes.iter().zip(hats) {
-                        want[grid.index(node[0], node[1])] += area / 3.0 * f.source(x, y) * hat;
-                    }
-                }
-            }
-        }
-        let ours = load(grid, &Source::from(f), LoadRule::Exact { diagonal });
-        for (ours, want) in ours.iter().zip(&want) {
-            assert!((ours - want).abs() < 1e-8, "{diagonal:?}: {ours} {want}");
         }
     }
 }

@@ -104,20 +104,4 @@ fn a_picture_is_titled_by_f_or_the_name_of_the_file_or_the_scene() {
     let path = gear();
     assert!(titled(&["--f", "else=-1", "--domain", &path], "gear.msh").contains(BANDS));
     titled(&["a"], "Suction");
-    // A long one takes several lines, and of a very long one the last says that more follows.
-    for (times, is_whole) in [(4, true), (60, false)] {
-        let long = format!("{}else=-1", "disc(0.25,0,0.125)=1.5; ".repeat(times));
-        for view in ["--map", "--surface"] {
-            let (_, svg) = solved(&project, &["--f", &long, "--h", "1/8", view]);
-            assert!(svg.contains(&format!("<title>{long}</title>")));
-            let lines =
-                svg.lines().filter(|line| line.starts_with("<text") && line.contains("=1.5"));
-            let shown =
-                lines.map(|line| line.split_once('>').unwrap().1.split('<').next().unwrap());
-            let shown = shown.collect::<Vec<_>>().join(" ");
-            let whole = shown.trim_end_matches(" …");
-            assert!(long.starts_with(whole) && whole.ends_with(';') | is_whole, "{shown}");
-            assert_eq!((whole == long, shown.ends_with(" …")), (is_whole, !is_whole), "{shown}");
-        }
-    }
 }

@@ -213,18 +213,3 @@ fn no_comparison_is_passed_by_a_number_that_is_missing() {
     let found: Vec<_> = texts.iter().map(|(path, _)| path).collect();
     assert!(found.is_empty(), "{found:#?}");
 }
-
-#[test]
-fn the_counts_see_what_they_count() {
-    assert_eq!(passed_by_none("a < Some(1.0) && b <=\n    Some(2) || c > Some(3)"), 2);
-    let text = "let a = |x| x;\nlet mut b: F =\n    move |y| y;\nlet c = 1;\nlet d = f(|x| x);";
-    assert_eq!(named_closures(text), 2);
-    assert_eq!(defined_type("pub(crate) struct Grid {"), Some("Grid"));
-    assert_eq!(defined_type("    let x = 1;"), None);
-    let text =
-        "fn f<const N: usize>(a: [f64; 2], (b, c): (A<B, C>, D), d: impl Fn(u8, u8) -> u8) {}";
-    assert_eq!(arguments(text), [("f", 3)]);
-    let text = "fn dual_step() { plain.dual_step(pair) }\nfn run() {\n    // e.dual_step()\n    e.dual_step(k);\n}\n\
-        fn other() {\n    // e.dual_step()\n}\nmod tests {\nfn of_test() { e.dual_step(k) }";
-    assert_eq!(stepping_functions(text), ["run"]);
-}

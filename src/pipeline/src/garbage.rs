@@ -47,9 +47,9 @@ impl Store {
     /// Removes all files that neither the `keep` latest runs of the tasks in `plan` need nor those that a run of the
     /// plan would find.
     ///
-    /// With `dry`, only counts. Removes also the temporary files of killed runs, the locks of tasks, which nobody can
-    /// hold while the caller holds the lock of the cache. Files of other programs stay, whatever folder was named as the
-    /// cache.
+    /// With `dry`, only counts. Removes also the temporary files of killed runs, and the locks of tasks, which nobody
+    /// can hold while the caller holds the lock of the cache. Files of other programs stay, whatever folder was named
+    /// as the cache.
     ///
     /// # Errors
     /// [`Error::Io`](crate::error::Error::Io), also if a folder or manifests cannot be read, because they

@@ -3,7 +3,6 @@
 mod chapters;
 mod findings;
 mod notebook;
-pub(crate) mod stand_ins;
 mod times;
 
 use super::solutions::Solutions;
@@ -87,9 +86,6 @@ struct BookParts {
     notebook: Vec<NotebookCell>,
     /// Reason for which pages made from templates are left out, if there is one.
     left_out: Option<String>,
-    /// Files of scenes that failed, by their paths in the pages, each with the reason.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    stand_ins: BTreeMap<String, String>,
 }
 
 /// The task that writes the pages and builds the book, from the artifacts of all `earlier` tasks.
@@ -110,7 +106,6 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
         studies: studies.map(|scene| (scene.name.clone(), scene.study.clone())).collect(),
         notebook: if has_notebook { notebook::cells() } else { Vec::new() },
         left_out: left_out(project),
-        stand_ins: project.stand_ins.clone(),
     };
     Task::new(ID, &pages, needs, made).with_files(files).exported_to("report")
 }
@@ -119,17 +114,17 @@ pub(crate) fn task(project: &Project, earlier: &[Task]) -> Task {
 fn made(pages: &BookParts, inputs: &Inputs) -> Made {
     // The book takes the most memory of all tasks: what those before have left would add to it.
     give_back();
-    let BookParts { problems, others, studies, notebook, left_out, stand_ins } = pages;
-    let stand_ins = stand_ins::files(stand_ins);
+    let BookParts { problems, others, studies, notebook, left_out } = pages;
     if let Some(reason) = left_out {
-        return book(inputs, stand_ins, |templates| Ok(signorini_book::stubs(templates, reason)?));
+        let stubs = |templates: &_| Ok(signorini_book::stubs(templates, reason)?);
+        return book(inputs, Artifacts::new(), stubs);
     }
     let Solutions { listed, mut files } = Solutions::of(inputs, problems, others)?;
     for picture in notebook.iter().filter_map(|cell| cell.picture.as_ref()) {
         files.insert("notebook.svg".into(), picture.clone().into_bytes());
     }
     let files = files.into_iter().map(|(name, bytes)| (format!("src/data/{name}"), bytes));
-    book(inputs, files.chain(stand_ins).collect(), |templates| {
+    book(inputs, files.collect(), |templates| {
         let mut context = chapters::context(inputs, problems, others)?;
         let mut rows = BTreeMap::new();
         for (name, of_scene) in studies {

@@ -1,9 +1,9 @@
-//! Figures that only the book shows: the problem, the grid, and the paper's problems where the first rule stops.
+//! Figures that only the book shows: other domains, and the paper's problems where the first rule stops.
 
 use super::{Draw, Drawing, drawing, shown, surface};
 use crate::figures::{
-    DrawnSolution, GradientPanel, Picture, gradients as draw_gradients, grid, membrane,
-    mesh_picture, surfaces, table_of_surfaces,
+    DrawnSolution, GradientPanel, Picture, gradients as draw_gradients, mesh_picture, surfaces,
+    table_of_surfaces,
 };
 use crate::pipeline::error::Failure;
 use crate::pipeline::{Inputs, Task};
@@ -75,9 +75,9 @@ pub(super) fn iterates(scene: &Scene) -> Task {
     })
 }
 
-/// The tasks that draw the problem, the grid, and solutions on other domains; they read nothing.
-pub(super) fn drawings() -> [Task; 5] {
-    let all: [(&str, &str, Draw); 5] = [
+/// The tasks that draw meshes of other domains and solutions on them; they read nothing.
+pub(super) fn drawings() -> [Task; 3] {
+    let all: [(&str, &str, Draw); 3] = [
         ("domains", "Solutions on the L-shape, the disc and the annulus", |it, inputs| {
             it.made(inputs, on_domains()?)
         }),
@@ -86,10 +86,6 @@ pub(super) fn drawings() -> [Task; 5] {
         }),
         ("adapted-mesh", "Adapted meshes of three domains", |it, inputs| {
             it.made(inputs, adapted_meshes()?)
-        }),
-        ("membrane", "The square and its membrane", |it, inputs| it.made(inputs, membrane())),
-        ("grid", "The coarsest grid, in the order of the sweep", |it, inputs| {
-            it.made(inputs, grid())
         }),
     ];
     all.map(|(name, title, draw)| drawing(name, &Drawing::new(title), Vec::new(), draw))
