@@ -84,7 +84,7 @@ fn one_problem(n: usize, f: &str, tolerance: f64, repeats: usize) {
         solve_square(n, Law::SIGNORINI.with_load(&load), &params).expect("a solvable problem");
         (1e9 * start.elapsed().as_secs_f64() / load.len() as f64, ())
     });
-    let kkt = kkt(grid, Law::SIGNORINI, &y, &given).relative;
+    let kkt = kkt((grid, Law::SIGNORINI), &y, &given).relative;
     println!("{{\"ns\": {ns}, \"whole_ns\": {}, \"kkt\": {kkt:e}}}", whole_ns.0);
 }
 

@@ -12,7 +12,7 @@ use super::text::{Ticks, short};
 use super::title::Title;
 use super::{FIXED, IN_SPACE, range_with_zero};
 use signorini_mathematics::levels::Problem;
-use signorini_mathematics::mesh::{ClosedCurve, Condition};
+use signorini_mathematics::mesh::ClosedCurve;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::Pair;
 
@@ -20,7 +20,8 @@ use signorini_mathematics::saddle::Pair;
 pub(crate) struct ContactPanel {
     pub(super) title: String,
     pub(super) curve: ClosedCurve,
-    law: Law,
+    /// True if the paper's law holds.
+    is_papers_law: bool,
     /// Solutions compared.
     pub(super) lines: Vec<ContactLine>,
 }
@@ -45,7 +46,7 @@ impl ContactPanel {
         problem: &Problem,
         solutions: &[(String, Pair)],
     ) -> Result<Vec<Self>, String> {
-        let (mut panels, law) = (Vec::new(), problem.law());
+        let (mut panels, is_papers_law) = (Vec::new(), problem.is_signorini());
         let curves = problem.levels().boundary();
         if curves.is_empty() {
             return Err(IN_SPACE.into());
@@ -66,7 +67,7 @@ impl ContactPanel {
             let lines = lines.collect();
             let label = curve.label();
             let title = label.map_or(title.to_owned(), |label| format!("{title}: {label}"));
-            panels.push(Self { title, curve, law, lines });
+            panels.push(Self { title, curve, is_papers_law, lines });
         }
         Ok(panels)
     }
@@ -93,16 +94,16 @@ impl ContactPanel {
         Chart::new(&self.title, ["", ""], curves).scaled([Scale::Linear; 2])
     }
 
-    /// True if a part of the curve has this condition.
-    fn has(&self, condition: Condition) -> bool {
-        self.curve.conditions.contains(&condition)
+    /// True if a part of the curve has such a law.
+    fn has(&self, is_such: impl FnMut(&Law) -> bool) -> bool {
+        self.curve.laws.iter().any(is_such)
     }
 }
 
 /// True if a node of a curve is an end of an edge on a fixed part.
 fn is_fixed(curve: &ClosedCurve, node: usize) -> bool {
-    let before = node.checked_sub(1).unwrap_or(curve.conditions.len() - 1);
-    [before, node].iter().any(|&edge| curve.conditions[edge] == Condition::Fixed)
+    let before = node.checked_sub(1).unwrap_or(curve.laws.len() - 1);
+    [before, node].iter().any(|&edge| curve.laws[edge] == Law::FIXED)
 }
 
 /// Values at some nodes.
@@ -123,8 +124,8 @@ const ROW: f64 = 9.0;
 /// Coordinate over the length of a curve that is shown as zero.
 const ROUNDING: f64 = 1e-9;
 /// Conditions other than the law, with their words and colours.
-const WITHOUT_LAW: [(Condition, &str, RGBColor); 2] =
-    [(Condition::Free, "free (a = 0)", RULE), (Condition::Fixed, FIXED, INK)];
+const WITHOUT_LAW: [(Law, &str, RGBColor); 2] =
+    [(Law::FREE, "free (a = 0)", RULE), (Law::FIXED, FIXED, INK)];
 
 /// Draws y and the multiplier a along the boundary, one panel below the other.
 ///
@@ -141,7 +142,7 @@ pub(crate) fn contact(panels: &[ContactPanel]) -> Picture {
     picture.height = top + 28.0;
     let y = top + 8.0;
     picture.rect((ACROSS.0, y - 7.0), (ACROSS.0 + 28.0, y + 7.0), SHADE);
-    let is_contact = panels.iter().all(|panel| panel.law.is_signorini());
+    let is_contact = panels.iter().all(|panel| panel.is_papers_law);
     let words = if is_contact {
         "in contact (a > 0) on every line shown; bars: in contact, line by line"
     } else {
@@ -160,7 +161,7 @@ fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
         panel.chart(|line| line.a.clone()),
     ];
     let entries = legend(&[&charts[0]]);
-    let parts = WITHOUT_LAW.iter().filter(|(condition, ..)| panel.has(*condition));
+    let parts = WITHOUT_LAW.iter().filter(|(law, ..)| panel.has(|own| own == law));
     let parts = parts.map(|&(_, label, color)| Entry {
         label: label.into(),
         color,
@@ -172,10 +173,10 @@ fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
         gap: 40.0,
     };
     let upper = top + 14.0 + head.high();
-    let bars = lines.len() + usize::from(curve.conditions.iter().any(|c| *c != Condition::Contact));
+    let bars = lines.len() + usize::from(panel.has(|law| !law.may_move()));
     let lower = upper + PLOT + ROW * bars as f64 + 16.0;
     // A curve without the law has no plot of a.
-    let bottom = if panel.has(Condition::Contact) { lower + PLOT } else { lower };
+    let bottom = if panel.has(|law| law.may_move()) { lower + PLOT } else { lower };
 
     let values = [&charts[0], &charts[1]].map(|chart| {
         chart.curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.1))
@@ -219,13 +220,13 @@ fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
 
 /// Draws the bars of all lines, and that of the parts without the law, in the band between the plots.
 fn draw_bars(picture: &mut Picture, panel: &ContactPanel, entries: &[Entry], band: &Frame) {
-    let ContactPanel { curve, lines, law, .. } = panel;
+    let ContactPanel { curve, lines, is_papers_law, .. } = panel;
     let mut bars = Vec::new();
     for (k, (line, Entry { color, .. })) in lines.iter().zip(entries).enumerate() {
         bars.extend(arcs(&line.in_contact, curve).into_iter().map(|arc| (k, arc, *color)));
     }
-    for (condition, _, color) in WITHOUT_LAW {
-        let edges = (0..curve.places.len()).filter(|&k| curve.conditions[k] == condition);
+    for (law, _, color) in WITHOUT_LAW {
+        let edges = (0..curve.places.len()).filter(|&k| curve.laws[k] == law);
         let edges =
             edges.map(|k| (curve.places[k], *curve.places.get(k + 1).unwrap_or(&curve.length)));
         bars.extend(joined(edges).into_iter().map(|edges| (lines.len(), edges, color)));
@@ -234,8 +235,8 @@ fn draw_bars(picture: &mut Picture, panel: &ContactPanel, entries: &[Entry], ban
         let y = band.down.0 + 8.0 + ROW * row as f64;
         picture.rect((band.right(from), y + 1.5), (band.right(to), y + ROW - 1.5), color);
     }
-    let holds = if law.is_signorini() { "contact" } else { "sticks" };
-    if panel.has(Condition::Contact) {
+    let holds = if *is_papers_law { "contact" } else { "sticks" };
+    if panel.has(|law| law.may_move()) {
         let at = (band.across.0 - 8.0, band.middle().1);
         picture.text(holds, at, plain(SMALL).pos(END).color(&MUTED));
     }
@@ -347,10 +348,10 @@ mod tests {
 
     #[test]
     fn parts_without_the_law_have_a_word_and_no_axis_of_a() {
-        for (condition, word) in [(Condition::Free, "free (a = 0)"), (Condition::Fixed, FIXED)] {
+        for (law, word) in [(Law::FREE, "free (a = 0)"), (Law::FIXED, FIXED)] {
             let mut annulus = AnyMesh::built_in("annulus").unwrap();
-            annulus.set_condition("inner", condition).unwrap();
-            let problem = Problem::on_mesh(&annulus, 1, "else=-1", Law::SIGNORINI).unwrap();
+            annulus.set_law("inner", law).unwrap();
+            let problem = Problem::on_mesh(&annulus, 1, "else=-1").unwrap();
             let y = vec![0.0; problem.lengths()[0]];
             let a = vec![1.0; problem.lengths()[1]];
             let lines = [("l".to_owned(), Pair { y, a })];
@@ -361,10 +362,10 @@ mod tests {
                 .map(|title| pictures.iter().find(|svg| svg.contains(title)).unwrap());
             let named =
                 |text: &str| [inner, outer].map(|svg| svg.contains(&format!(">{text}</text>")));
-            assert_eq!(named(word), [true, false], "{condition:?}");
+            assert_eq!(named(word), [true, false], "{law:?}");
             // The flux through a free part is zero, that through a fixed one is not computed.
             let table = of_contact(&panels);
-            let last = if condition == Condition::Fixed { "" } else { "0" };
+            let last = if law == Law::FIXED { "" } else { "0" };
             let inner_rows = table.lines().filter(|line| line.starts_with("t: inner,"));
             assert!(inner_rows.clone().count() > 4);
             assert!(inner_rows.map(|line| line.rsplit(',').next().unwrap()).all(|a| a == last));

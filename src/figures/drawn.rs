@@ -18,8 +18,8 @@ pub(crate) const MOST_CELLS: usize = 32;
 #[derive(Clone, Debug)]
 pub(crate) struct DrawnSolution {
     pub(super) title: String,
-    /// Law on the boundary.
-    pub(super) law: Law,
+    /// True if the paper's law holds.
+    pub(super) is_papers_law: bool,
     pub(super) mesh: PlaneMesh,
     /// Heights at the nodes.
     pub(crate) y: Vec<f64>,
@@ -45,10 +45,11 @@ impl DrawnSolution {
     ) -> Result<Self, String> {
         let drawing = problem.levels().drawing(MOST_CELLS * 2 / columns);
         let Drawing { mesh, nodes } = drawing.ok_or(IN_SPACE)?;
-        let (law, at_nodes) = (problem.law(), problem.at_nodes(&problem.in_contact(pair), false));
+        let at_nodes = problem.at_nodes(&problem.in_contact(pair), false);
         let y: Vec<f64> = nodes.iter().map(|&node| pair.y[node]).collect();
         let in_contact = nodes.iter().map(|&node| at_nodes[node]).collect();
-        Ok(Self { title, law, azimuth: uphill(&mesh, &y), mesh, y, in_contact, range: None })
+        let (is_papers_law, azimuth) = (problem.is_signorini(), uphill(&mesh, &y));
+        Ok(Self { title, is_papers_law, azimuth, mesh, y, in_contact, range: None })
     }
 
     /// Pair on a grid of the square under the paper's law, as a panel in rows of `columns`.

@@ -45,17 +45,15 @@ pub(crate) use series::{Chart, Curve, Scale, Stroke};
 pub(crate) use solution_map::SolutionMap;
 pub(crate) use surface::{surfaces, table_of_surfaces};
 
-use signorini_mathematics::problem::law::Law;
-
 /// Refusal of what has no picture.
 const IN_SPACE: &str = "a solution in space has no picture";
 
 /// Words for fixed parts of the boundary.
 const FIXED: &str = "fixed (v = 0)";
 
-/// Returns the words for nodes of the boundary with v = 0 by a law.
-fn held(law: Law) -> &'static str {
-    if law.is_signorini() { "in contact (multiplier a > 0)" } else { "sticks (v = 0)" }
+/// Returns the words for nodes of the boundary with v = 0 by the law.
+fn held(is_papers_law: bool) -> &'static str {
+    if is_papers_law { "in contact (multiplier a > 0)" } else { "sticks (v = 0)" }
 }
 
 /// Returns the smallest and the largest of `values` and 0.

@@ -6,7 +6,8 @@ use super::maps::draw_axes;
 use super::palette::{light, series};
 use super::panels::Panels;
 use super::picture::Picture;
-use signorini_mathematics::mesh::{Condition, PlaneMesh};
+use signorini_mathematics::mesh::PlaneMesh;
+use signorini_mathematics::problem::law::Law;
 
 /// Sides of a panel in display pixels, where two are in a row and where three are.
 const SIDES: [f64; 2] = [288.0, 180.0];
@@ -55,12 +56,12 @@ pub(crate) fn mesh_picture(panels: &[(&str, &PlaneMesh)]) -> Picture {
 fn entries(mesh: &PlaneMesh) -> Vec<Entry> {
     let mut entries = Vec::new();
     for (k, part) in mesh.parts().iter().enumerate() {
-        let condition = match part.condition {
-            Condition::Contact => "contact",
-            Condition::Free => "free",
-            Condition::Fixed => "fixed",
+        let law = match part.law {
+            Law::FREE => "free",
+            Law::FIXED => "fixed",
+            _ => "contact",
         };
-        let label = format!("{}: {condition}", cut(&part.names.to_string()));
+        let label = format!("{}: {law}", cut(&part.names.to_string()));
         entries.push(Entry { label, color: series(k), sample: Sample::Line });
     }
     let regions = mesh.region_names().iter().filter(|_| mesh.region_names().len() > 1);
@@ -88,7 +89,7 @@ mod tests {
     #[test]
     fn all_triangles_edges_and_names_are_drawn() {
         let mut mesh = BuiltIn::Annulus.plane().unwrap();
-        mesh.parts_mut()[0].condition = Condition::Free;
+        mesh.parts_mut()[0].law = Law::FREE;
         mesh.parts_mut()[1].names = "a".repeat(200).as_str().into();
         let svg = svg(&mesh_picture(&[("annulus", &mesh)]));
         assert_eq!(svg.matches("<path").count(), 24);

@@ -10,7 +10,7 @@ use super::polyline::simplified;
 use super::text::Ticks;
 use super::{FIXED, held};
 use signorini_mathematics::levels::Problem;
-use signorini_mathematics::mesh::Condition;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::Pair;
 
 /// Most isolines.
@@ -47,16 +47,16 @@ impl SolutionMap {
         let (mut held, mut fixed, mut boundary) = (Vec::new(), Vec::new(), Vec::new());
         for curve in problem.levels().boundary() {
             let (points, nodes) = (&curve.points, &curve.nodes);
-            for (k, condition) in curve.conditions.iter().enumerate() {
+            for (k, law) in curve.laws.iter().enumerate() {
                 let ends = [k, (k + 1) % points.len()];
                 let edge = ends.map(|k| points[k]);
-                match condition {
-                    Condition::Contact => {
+                match *law {
+                    Law::FIXED => add(&mut fixed, edge),
+                    Law::FREE => {}
+                    _ => {
                         let part = held_part(edge, ends.map(|k| is_held[nodes[k]]));
                         part.into_iter().for_each(|part| add(&mut held, part));
                     }
-                    Condition::Fixed => add(&mut fixed, edge),
-                    Condition::Free => {}
                 }
             }
             boundary.push(curve.points);
@@ -85,7 +85,8 @@ impl SolutionMap {
     /// Draws the words for the parts of the boundary that are held, centred.
     fn draw_key(&self, picture: &mut Picture, (middle, y): Place) {
         let fixed = Some((INK, FIXED)).filter(|_| !self.fixed.is_empty());
-        let entries: Vec<_> = [(CONTACT, held(self.drawn.law))].into_iter().chain(fixed).collect();
+        let entries: Vec<_> =
+            [(CONTACT, held(self.drawn.is_papers_law))].into_iter().chain(fixed).collect();
         let [line, gap, behind] = KEY;
         let widths =
             entries.iter().map(|(_, words)| line + gap + text_width(words, SMALL) + behind);
@@ -175,7 +176,7 @@ mod tests {
     use super::*;
     use crate::figures::polyline::farthest;
     use crate::figures::samples::svg;
-    use signorini_mathematics::mesh::{AnyMesh, Condition};
+    use signorini_mathematics::mesh::AnyMesh;
     use signorini_mathematics::problem::law::Law;
     use signorini_mathematics::solvers::{self, Run, Settings, Solver};
 
@@ -187,7 +188,7 @@ mod tests {
     }
 
     fn on(name: &str, times: usize, f: &str, law: Law) -> Problem {
-        Problem::on_mesh(&AnyMesh::built_in(name).unwrap(), times, f, law).unwrap()
+        Problem::on_mesh(&AnyMesh::built_in(name).unwrap().with_law(law), times, f).unwrap()
     }
 
     /// Length of the lines that are held.
@@ -221,13 +222,13 @@ mod tests {
 
     #[test]
     fn a_part_without_the_law_is_not_held() {
-        for condition in [Condition::Free, Condition::Fixed] {
+        for law in [Law::FREE, Law::FIXED] {
             let mut annulus = AnyMesh::built_in("annulus").unwrap();
-            annulus.set_condition("inner", condition).unwrap();
-            let problem = Problem::on_mesh(&annulus, 1, "else=-1", Law::SIGNORINI).unwrap();
+            annulus.set_law("inner", law).unwrap();
+            let problem = Problem::on_mesh(&annulus, 1, "else=-1").unwrap();
             let map = map(&problem);
-            assert_eq!(map.held.len(), 1, "{condition:?}");
-            assert!(map.held[0].iter().all(|[x, y]| libm::hypot(*x, *y) > 0.99), "{condition:?}");
+            assert_eq!(map.held.len(), 1, "{law:?}");
+            assert!(map.held[0].iter().all(|[x, y]| libm::hypot(*x, *y) > 0.99), "{law:?}");
         }
     }
 
@@ -318,10 +319,10 @@ mod tests {
     #[test]
     fn fixed_parts_are_marked_and_named() {
         let mut annulus = AnyMesh::built_in("annulus").unwrap();
-        let contact = Problem::on_mesh(&annulus, 1, "else=-1", Law::SIGNORINI).unwrap();
+        let contact = Problem::on_mesh(&annulus, 1, "else=-1").unwrap();
         assert!(!svg(&map(&contact).picture()).contains(FIXED));
-        annulus.set_condition("inner", Condition::Fixed).unwrap();
-        let fixed = Problem::on_mesh(&annulus, 1, "else=-1", Law::SIGNORINI).unwrap();
+        annulus.set_law("inner", Law::FIXED).unwrap();
+        let fixed = Problem::on_mesh(&annulus, 1, "else=-1").unwrap();
         let svg = svg(&map(&fixed).picture());
         assert!(svg.contains(&format!(">{FIXED}</text>")));
         // The part itself, and its key.

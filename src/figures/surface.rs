@@ -10,7 +10,7 @@ use super::picture::{LARGE, Picture, SMALL, START, bold, plain};
 use super::table::{add, rounded};
 use super::title::Title;
 use super::{FIXED, held};
-use signorini_mathematics::mesh::Condition;
+use signorini_mathematics::problem::law::Law;
 use std::collections::BTreeMap;
 
 /// Size of a panel in display pixels, where two are in a row.
@@ -44,7 +44,8 @@ pub(crate) fn surfaces(columns: usize, panels: &[DrawnSolution]) -> Picture {
     let scales: Vec<_> = ranges.chunks(columns).map(common).collect();
     let is_below = |row: usize| scales[row].is_some() && scales.get(row + 1) == Some(&scales[row]);
     let heights = (0..panels.len()).map(|k| if is_below(k / columns) { high - BAR } else { high });
-    let mut keys: Vec<_> = panels.iter().take(1).map(|panel| (CONTACT, held(panel.law))).collect();
+    let mut keys: Vec<_> =
+        panels.iter().take(1).map(|panel| (CONTACT, held(panel.is_papers_law))).collect();
     keys.extend(Some((INK, FIXED)).filter(|_| panels.iter().any(has_fixed)));
     let layout = Panels {
         columns,
@@ -95,7 +96,7 @@ fn common(row: &[(f64, f64)]) -> Option<(f64, f64)> {
 
 /// True if a part of the boundary is fixed.
 fn has_fixed(panel: &DrawnSolution) -> bool {
-    panel.mesh.facets().iter().any(|facet| panel.mesh.condition(facet) == Condition::Fixed)
+    panel.mesh.facets().iter().any(|facet| panel.mesh.law(facet) == Law::FIXED)
 }
 
 /// Numbers of the ends of an edge, the lower one first.
@@ -165,10 +166,10 @@ impl<'a> PaintedMesh<'a> {
         for facet in mesh.facets() {
             let [a, b] = facet.nodes;
             let touches = [a, b].iter().all(|&node| in_contact[node as usize]);
-            let color = match mesh.condition(facet) {
-                Condition::Contact if touches => CONTACT,
-                Condition::Fixed => INK,
-                Condition::Contact | Condition::Free => continue,
+            let color = match mesh.law(facet) {
+                Law::FIXED => INK,
+                law if touches && law.may_move() => CONTACT,
+                _ => continue,
             };
             marked.insert([a.min(b), a.max(b)], color);
         }
@@ -254,8 +255,8 @@ mod tests {
         let all = vec![true; y.len()];
         assert_eq!(marks(&drawn(&mesh, &y, &all)), mesh.facets().len());
         assert_eq!(marks(&drawn(&mesh, &y, &vec![false; y.len()])), 0);
-        for condition in [Condition::Free, Condition::Fixed] {
-            mesh.parts_mut()[0].condition = condition;
+        for law in [Law::FREE, Law::FIXED] {
+            mesh.parts_mut()[0].law = law;
             let outer = mesh.facets().iter().filter(|facet| facet.part == 1).count();
             assert_eq!(marks(&drawn(&mesh, &y, &all)), outer);
         }

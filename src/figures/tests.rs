@@ -4,7 +4,8 @@ use super::samples::{committed, every, on_grid, panel, solution, svg, unusual};
 use super::*;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::identify::Slice;
-use signorini_mathematics::mesh::{Condition, MeshData, PlaneMesh};
+use signorini_mathematics::mesh::{MeshData, PlaneMesh};
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{Iteration, Pair};
 use std::collections::BTreeMap;
@@ -252,10 +253,10 @@ fn numbers_of_maps_far_from_the_origin_are_inside_the_picture() {
 #[test]
 fn words_of_fixed_parts_are_inside_the_picture() {
     let mut mesh = rectangle([0.0, 0.0], [1.0, 1.0]);
-    mesh.parts_mut()[0].condition = Condition::Fixed;
-    for law in [Law::SIGNORINI, Law::friction(1.0).unwrap()] {
+    mesh.parts_mut()[0].law = Law::FIXED;
+    for is_papers_law in [true, false] {
         let one = panel(&mesh, &[0.0, 1.0, 0.3, 0.0], &[true; 4]);
-        let panel = DrawnSolution { title: LONG.into(), law, azimuth: 0.0, ..one };
+        let panel = DrawnSolution { title: LONG.into(), is_papers_law, azimuth: 0.0, ..one };
         let texts = readable("fixed", &surfaces(2, &[panel]));
         assert!(texts.iter().any(|text| text.words == FIXED), "{texts:?}");
     }

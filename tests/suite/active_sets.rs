@@ -4,7 +4,7 @@ use crate::common::Dice;
 use crate::stretched::{Rectangle, Stretch, count, positions, random_problem, tetrahedra};
 use signorini_mathematics::discrete::end::Stop;
 use signorini_mathematics::levels::Problem;
-use signorini_mathematics::mesh::{AnyMesh, Condition, Facet, MeshData, Names, Part};
+use signorini_mathematics::mesh::{AnyMesh, Facet, MeshData, Names, Part};
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::solvers::{Settings, Solver, solve};
 
@@ -60,12 +60,12 @@ impl Block {
             }
         }
         let parts = ["west", "east", "south", "north", "below", "above"].map(|name| {
-            let condition = match random.unit() {
-                low if low < 0.15 && name != "below" => Condition::Fixed,
-                low if low < 0.35 && name != "below" => Condition::Free,
-                _ => Condition::Contact,
+            let law = match random.unit() {
+                low if low < 0.15 && name != "below" => Law::FIXED,
+                low if low < 0.35 && name != "below" => Law::FREE,
+                _ => Law::SIGNORINI,
             };
-            Part { names: Names::from(name), condition, curve: None }
+            Part { names: Names::from(name), law, curve: None }
         });
         let data = MeshData { points, cells, facets, parts: parts.into(), ..MeshData::default() };
         data.mesh().expect("a mesh").into()
@@ -83,7 +83,7 @@ fn block_problem(random: &mut Dice, most_aspect: f64) -> Option<Problem> {
         1 => Law::new(0.0, flux).unwrap(),
         _ => Law::new(-flux, flux).unwrap(),
     };
-    Problem::on_mesh(&mesh, 0, &f, law).ok()
+    Problem::on_mesh(&mesh.clone().with_law(law), 0, &f).ok()
 }
 
 /// Checks that the active set method ends by itself with the energy of multigrid. Energies are convex: theirs differ by
@@ -118,7 +118,7 @@ fn strips_whose_contact_the_primal_dual_steps_move_by_a_node_each_are_solved() {
             (Law::new(0.0, 1.5).unwrap(), "rect(0.2,0.3,-9,9)=9; rect(0.7,0.75,-9,9)=13; else=-2"),
         ] {
             let mesh = strip.mesh(&mut Dice(3));
-            is_solved(&Problem::on_mesh(&mesh, 0, f, law).unwrap());
+            is_solved(&Problem::on_mesh(&mesh.clone().with_law(law), 0, f).unwrap());
         }
     }
 }

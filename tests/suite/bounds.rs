@@ -91,8 +91,8 @@ fn least_margin(f: &Source, cells: usize) -> f64 {
         }
         for max_iterations in [1, 10, 100] {
             let params = Params { max_iterations, rule: StopRule::Printed, ..Params::default() };
-            let mut pair = Pair::zero(grid);
-            arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &params, &mut pair);
+            let mut pair = Pair::zero((grid, Law::SIGNORINI));
+            arrow_hurwicz((grid, Law::SIGNORINI), &load, &params, &mut pair);
             judge(&(rule, max_iterations), &pair.y);
         }
     }
@@ -204,9 +204,9 @@ fn the_bound_of_the_error_is_effective() {
 /// The arcs of the solution for f, and its nodes in contact.
 fn contact(n: usize, f: &Source) -> (Vec<ContactArc>, usize) {
     let (grid, y) = solved(n, f, EXACT, Goal::RoundingFloor);
-    let judgement = judge(grid, Law::SIGNORINI, &y, &load(grid, f, EXACT));
+    let judgement = judge((grid, Law::SIGNORINI), &y, &load(grid, f, EXACT));
     (
-        arcs(&[square_boundary(grid)], &y, &judgement),
+        arcs(&[square_boundary(grid, Law::SIGNORINI)], &y, &judgement),
         grid.boundary().filter(|&node| y[node] == 0.0).count(),
     )
 }
@@ -259,8 +259,9 @@ fn what_has_no_solution_has_no_bound() {
     let grid = Grid::new(8).unwrap();
     let zero = vec![0.0; grid.nodes()];
     let found = bounds(grid, &Source::constant(1.0), Law::SIGNORINI, &zero);
-    let (component, has_parts) = (None, false);
-    let refused = Unsolvable::NotCoercive { integral: 1.0, component, has_parts };
+    let balanced = [f64::NEG_INFINITY, 0.0];
+    let refused =
+        Unsolvable { component: None, integral: 1.0, balanced, enough: None, has_parts: false };
     assert_eq!(found, Err(refused.into()));
     let huge = vec![1e200; grid.nodes()];
     assert_eq!(

@@ -29,10 +29,10 @@ fn solutions(n: usize, load: &[f64]) -> Vec<Vec<f64>> {
 
 /// Contact at the boundary nodes as the judgement reads it and as pictures do, which must be the same.
 fn in_contact(grid: Grid, y: &[f64], load: &[f64]) -> Vec<bool> {
-    let judgement = judge(grid, Law::SIGNORINI, y, load);
+    let judgement = judge((grid, Law::SIGNORINI), y, load);
     let contact = judgement.in_contact();
     let a = judgement.multiplier(y);
-    assert_eq!(Pair { y: y.to_vec(), a }.in_contact(grid, Law::SIGNORINI), contact);
+    assert_eq!(Pair { y: y.to_vec(), a }.in_contact((grid, Law::SIGNORINI)), contact);
     contact
 }
 
@@ -72,9 +72,9 @@ fn no_corner_between_nodes_in_contact_is_a_gap() {
                     let load = load(grid, &f, rule);
                     for y in solutions(n, &load) {
                         let arcs = arcs(
-                            &[square_boundary(grid)],
+                            &[square_boundary(grid, Law::SIGNORINI)],
                             &y,
-                            &judge(grid, Law::SIGNORINI, &y, &load),
+                            &judge((grid, Law::SIGNORINI), &y, &load),
                         );
                         assert_eq!(arcs.len(), 1, "{f} 1/{n}: {arcs:?}");
                         assert!((arcs[0].force + integral(&f)).abs() < 1e-9 * value, "{f} 1/{n}");
@@ -149,7 +149,7 @@ fn the_multiplier_of_the_cube_has_the_total_force() {
             continue;
         }
         let (y, _) = run(&cube, &load, Goal::RoundingFloor);
-        let judgement = judge(cube.network(), Law::SIGNORINI, &y, &load);
+        let judgement = judge(cube.network(), &y, &load);
         let a = judgement.multiplier(&y);
         let forces = judgement.contact.iter().zip(&a).map(|(contact, a)| contact.measure * a);
         let force: f64 = forces.sum();

@@ -2,6 +2,7 @@
 
 use crate::common::Dice;
 use crate::domains::{CubeMesh, Domain, rough, run};
+use crate::laws::under;
 use crate::solvers::{ALGEBRAIC, NETWORK_WORK_UNITS};
 use signorini_mathematics::discrete::end::Stop;
 use signorini_mathematics::discrete::norms::Errors;
@@ -177,10 +178,11 @@ fn the_solution_is_that_of_the_seven_point_matrix() {
             places.iter().zip(&load).for_each(|(&place, load)| plain_load[place] = *load);
             let expected = plain.solve(&plain_load, friction);
             let largest = expected.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-            let problem = law.with_load(&load);
+            let levels = under(&cube.levels, law);
             let params = MultigridParams::default();
-            let (y, _) = solve_nested_networks(&cube.levels, problem, &params).unwrap();
-            let (direct, _) = active_set(cube.network(), law, &load, None).unwrap();
+            let (y, _) = solve_nested_networks(&levels, &load, &params).unwrap();
+            let network = &levels[levels.len() - 1].network;
+            let (direct, _) = active_set(network, &load, None).unwrap();
             for y in [y, direct] {
                 let far = places.iter().zip(&y).map(|(&place, y)| (y - expected[place]).abs());
                 let far = far.fold(0.0, f64::max) / largest;

@@ -83,8 +83,11 @@ fn the_page_gives_the_published_counts_and_the_last_bit() {
         for (row, &r) in scene.r().iter().enumerate() {
             let params = Params { r, rule: StopRule::Signed, ..Params::default() };
             let (outcomes, _) = solve_nested(
-                &NestedGrids { grids: &grids, prolongation: scene.saddle().prolongation },
-                Law::SIGNORINI,
+                &NestedGrids {
+                    grids: &grids,
+                    law: Law::SIGNORINI,
+                    prolongation: scene.saddle().prolongation,
+                },
                 &loads,
                 &params,
                 &mut (),
@@ -130,15 +133,15 @@ const answer = JSON.stringify(texts.map((f) => {
         let after = |grids: &[Grid], max_iterations| {
             let params = params(max_iterations);
             let (_, pair) = solve_nested(
-                &NestedGrids { grids, prolongation: Prolongation::default() },
-                Law::SIGNORINI,
+                &NestedGrids { grids, law: Law::SIGNORINI, prolongation: Prolongation::default() },
                 &loads[..grids.len()],
                 &params,
                 &mut (),
             );
-            digits(&pair.in_contact(grids[grids.len() - 1], Law::SIGNORINI))
+            digits(&pair.in_contact((grids[grids.len() - 1], Law::SIGNORINI)))
         };
-        let start = digits(&Pair::zero(grids[0]).in_contact(grids[0], Law::SIGNORINI));
+        let start =
+            digits(&Pair::zero((grids[0], Law::SIGNORINI)).in_contact((grids[0], Law::SIGNORINI)));
         let program = [start, after(&grids[..1], 1), after(&grids, 1_000_000)];
         assert_eq!(page, program, "{text}");
     }

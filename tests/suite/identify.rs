@@ -36,8 +36,7 @@ fn literal(values: &[f64], measure: Measure, levels: usize) -> Table {
     for r in R {
         let params = Params { r, rule, max_iterations: 5000, ..Params::default() };
         let (outcomes, _) = solve_nested(
-            &NestedGrids { grids: &grids, prolongation: variant.prolongation },
-            Law::SIGNORINI,
+            &NestedGrids { grids: &grids, law: Law::SIGNORINI, prolongation: variant.prolongation },
             &loads,
             &params,
             &mut (),

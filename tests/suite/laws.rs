@@ -7,6 +7,7 @@ use signorini_mathematics::discrete::end::{End, Stop};
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::load::LoadRule;
+use signorini_mathematics::discrete::nested::NestedNetwork;
 use signorini_mathematics::discrete::network::Network;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::mesh::gmsh::read;
@@ -75,6 +76,23 @@ fn on_square(n: usize, problem: LawAndLoad<'_>) -> Result<(Vec<f64>, End), Input
     solve_square(n, problem, &MultigridParams::default())
 }
 
+/// Networks with one law at all contact nodes.
+pub(crate) fn under(levels: &[NestedNetwork], law: Law) -> Vec<NestedNetwork> {
+    let mut levels = levels.to_vec();
+    for NestedNetwork { network, .. } in &mut levels {
+        *network = network.with_laws(&vec![law; network.contact().len()]);
+    }
+    levels
+}
+
+/// Solution and end of multigrid on nested networks.
+fn on_networks(
+    levels: &[NestedNetwork],
+    LawAndLoad { law, load }: LawAndLoad<'_>,
+) -> Result<(Vec<f64>, End), InputError> {
+    solve_nested_networks(&under(levels, law), load, &MultigridParams::default())
+}
+
 fn negative(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| -value).collect()
 }
@@ -96,7 +114,7 @@ fn random_problem(network: &Network, dice: &mut Dice) -> (Law, Vec<f64>) {
     let load: Vec<f64> =
         shape.iter().zip(network.masses()).map(|(f, mass)| (f - mean) * mass).collect();
     let sum: f64 = load.iter().sum();
-    let perimeter = network.perimeter();
+    let perimeter = network.laws().measure;
     // Just above the least bound that can balance the load, up to one under which most nodes stick.
     let t = dice.between(0.0, 1.0);
     let g = 1.001 * sum.abs() / perimeter + 1e-3 + 2.0 * t * t;
@@ -119,9 +137,10 @@ fn compare(
     for problem in 0..problems {
         let (law, load) = random_problem(network, &mut dice);
         let (y, outcome) = solve(law.with_load(&load)).unwrap();
+        let network = &network.with_laws(&vec![law; network.contact().len()]);
         assert_eq!(outcome.stop, Stop::RoundingFloor, "{problem}: {law}");
-        let (expected, _) = active_set(network, law, &load, None).unwrap();
-        let judged = judge(network, law, &y, &load);
+        let (expected, _) = active_set(network, &load, None).unwrap();
+        let judged = judge(network, &y, &load);
         let largest = expected.iter().fold(0.0f64, |most, value| most.max(value.abs()));
         let far = y.iter().zip(&expected).any(|(a, b)| (a - b).abs() > 1e-8 * largest);
         assert!(!far && judged.kkt.relative < 1e-8, "{problem}: {law} {:?}", judged.kkt);
@@ -135,7 +154,7 @@ fn compare(
 #[test]
 fn multigrid_and_the_active_set_agree_on_random_laws() {
     for (n, problems) in [(16, 1500), (32, 1000)] {
-        let network = Network::of_square(Grid::new(n).unwrap());
+        let network = Network::of_square(Grid::new(n).unwrap(), Law::SIGNORINI);
         compare(&network, problems, |problem| on_square(n, problem));
     }
 }
@@ -145,14 +164,10 @@ fn so_they_do_on_meshes() {
     for name in ["disc", "lshape", "annulus"] {
         let AnyMesh::Plane(mesh) = AnyMesh::built_in(name).unwrap() else { panic!("in space") };
         let (levels, _) = refined(&mesh, 3).unwrap();
-        compare(&levels[3].network, 700, |problem| {
-            solve_nested_networks(&levels, problem, &MultigridParams::default())
-        });
+        compare(&levels[3].network, 700, |problem| on_networks(&levels, problem));
     }
     let cube = CubeMesh::new(1, 3);
-    compare(cube.network(), 500, |problem| {
-        solve_nested_networks(&cube.levels, problem, &MultigridParams::default())
-    });
+    compare(cube.network(), 500, |problem| on_networks(&cube.levels, problem));
 }
 
 #[test]
@@ -164,7 +179,7 @@ fn energies_with_friction_are_those_of_the_true_solutions() {
         let energy = |n: usize| {
             let (grid, load) = load_of(n, problem.f);
             let (y, _) = on_square(n, law.with_load(&load)).unwrap();
-            judge(grid, law, &y, &load).energy
+            judge((grid, law), &y, &load).energy
         };
         // The error falls by four with each halving of h.
         let [coarse, fine] = [512, 1024].map(energy);
@@ -197,8 +212,11 @@ fn the_papers_method_with_friction_has_the_counts_of_another_program() {
         let loads: Vec<_> = grids.iter().map(|&grid| averaged(grid, &f)).collect();
         let params = Params { r: 1e6, rule: StopRule::Printed, ..Params::default() };
         let (outcomes, _) = solve_nested(
-            &NestedGrids { grids: &grids, prolongation: Prolongation::default() },
-            problem.law(),
+            &NestedGrids {
+                grids: &grids,
+                law: problem.law(),
+                prolongation: Prolongation::default(),
+            },
             &loads,
             &params,
             &mut (),
@@ -217,14 +235,14 @@ fn minus_f_with_friction_gives_minus_v_to_the_last_bit() {
         let [(y, _), (minus, _)] =
             [&load, &opposite].map(|load| on_square(32, law.with_load(load)).unwrap());
         assert!(negative(&y) == minus, "{problem:?}: multigrid");
-        let network = &Network::of_square(grid);
+        let network = &Network::of_square(grid, law);
         let [(y, _), (minus, _)] =
-            [&load, &opposite].map(|load| active_set(network, law, load, None).unwrap());
+            [&load, &opposite].map(|load| active_set(network, load, None).unwrap());
         assert!(negative(&y) == minus, "{problem:?}: active set");
         let params = Params { rule: StopRule::Printed, tolerance: 1e-3, ..Params::default() };
         let [(pair, run), (minus, other)] = [&load, &opposite].map(|load| {
-            let mut pair = Pair::zero(grid);
-            let run = solve(grid, law.with_load(load), &params, &mut pair);
+            let mut pair = Pair::zero((grid, Law::SIGNORINI));
+            let run = solve((grid, law), load, &params, &mut pair);
             (pair, run)
         });
         assert!((negative(&pair.y), negative(&pair.a)) == (minus.y, minus.a), "{problem:?}");
@@ -237,13 +255,12 @@ fn a_limit_that_no_reaction_reaches_gives_the_bits_of_the_papers_law() {
     for f in ["quadrant(ll)=-6; else=1.998", "disc(0.1,0.2,0.2)=5; else=-2"] {
         let (grid, load) = load_of(32, f);
         let (y, _) = on_square(32, Law::SIGNORINI.with_load(&load)).unwrap();
-        let judged = judge(grid, Law::SIGNORINI, &y, &load);
+        let judged = judge((grid, Law::SIGNORINI), &y, &load);
         let most = judged.flux.iter().fold(0.0f64, |most, flux| most.max(*flux)) / grid.h();
         let limited = Law::limited(1.0001 * most).unwrap();
         assert!(y == on_square(32, limited.with_load(&load)).unwrap().0, "{f}");
-        let network = &Network::of_square(grid);
-        let [(y, _), (z, _)] =
-            [Law::SIGNORINI, limited].map(|law| active_set(network, law, &load, None).unwrap());
+        let [(y, _), (z, _)] = [Law::SIGNORINI, limited]
+            .map(|law| active_set(&Network::of_square(grid, law), &load, None).unwrap());
         assert!(y == z, "{f}");
         // A limit below the largest reaction is felt.
         let felt = Law::limited(0.7 * most).unwrap();
@@ -273,7 +290,7 @@ fn components_may_slip_in_opposite_directions() {
         "1 2 2 1 1 1 2 3\n2 2 2 1 1 1 3 4\n3 2 2 2 2 5 6 7\n4 2 2 2 2 5 7 8",
     );
     let AnyMesh::Plane(mesh) = read(file.as_bytes()).unwrap() else { panic!("in space") };
-    let (levels, mesh) = refined(&mesh, 4).unwrap();
+    let (levels, mesh) = refined(&mesh.with_law(Law::friction(0.2).unwrap()), 4).unwrap();
     let network = &levels[4].network;
     // Positive near one corner, negative elsewhere; on the right square the negative of it.
     let mut load = vec![0.0; network.nodes()];
@@ -281,11 +298,9 @@ fn components_may_slip_in_opposite_directions() {
         let [sign, x] = if *x < 1.5 { [1.0, *x] } else { [-1.0, x - 2.0] };
         load[node] = sign * network.masses()[node] * if x + y < 0.8 { 3.0 } else { -0.6 };
     }
-    let law = Law::friction(0.2).unwrap();
-    let (y, outcome) =
-        solve_nested_networks(&levels, law.with_load(&load), &MultigridParams::default()).unwrap();
+    let (y, outcome) = solve_nested_networks(&levels, &load, &MultigridParams::default()).unwrap();
     assert_eq!(outcome.stop, Stop::RoundingFloor);
-    let (expected, _) = active_set(network, law, &load, None).unwrap();
+    let (expected, _) = active_set(network, &load, None).unwrap();
     let mut left = 0.0f64;
     for (node, [x, y_at]) in mesh.points().iter().enumerate() {
         assert!((y[node] - expected[node]).abs() < 1e-10, "{} {}", y[node], expected[node]);
@@ -297,5 +312,5 @@ fn components_may_slip_in_opposite_directions() {
         }
     }
     assert!(left > 0.01, "{left}");
-    assert!(judge(network, law, &y, &load).kkt.relative < 1e-9);
+    assert!(judge(network, &y, &load).kkt.relative < 1e-9);
 }

@@ -147,7 +147,8 @@ fn integrals_have_no_scale() {
             AnyMesh::Plane(mesh) => AnyMesh::Plane(scaled(&mesh, scale)),
             AnyMesh::Space(mesh) => AnyMesh::Space(scaled(&mesh, scale)),
         };
-        let made = Problem::on_mesh(&mesh, 1, &f, Law::friction(1e60).unwrap()).unwrap();
+        let made =
+            Problem::on_mesh(&mesh.clone().with_law(Law::friction(1e60).unwrap()), 1, &f).unwrap();
         made.levels().facts().integral / scale.powi(mesh.dimension().into())
     };
     for name in ["lshape", "ball"] {
@@ -186,10 +187,13 @@ fn brackets_hold_the_energy_of_a_solution_three_refinements_finer() {
         let f =
             format!("{}else=-{}", random_shapes(&mut dice, 1 + case % 4), dice.between(0.1, 5.0));
         let times = if mesh.nodes() < 20 { case % 2 } else { 0 };
-        let Ok(problem) = Problem::on_mesh(&mesh, times, &f, law) else { continue };
+        let Ok(problem) = Problem::on_mesh(&mesh.clone().with_law(law), times, &f) else {
+            continue;
+        };
         assert!(!problem.levels().facts().by_quadrature);
         let (_, [low, high]) = energies(&problem);
-        let (fine, finer) = energies(&Problem::on_mesh(&mesh, times + 3, &f, law).unwrap());
+        let (fine, finer) =
+            energies(&Problem::on_mesh(&mesh.clone().with_law(law), times + 3, &f).unwrap());
         let slack = 1e-10 * low.abs();
         assert!(low - slack <= fine && fine <= high + slack, "{f} {law}: {fine} {low} {high}");
         assert!(finer[1] - finer[0] < high - low, "{f} {law}: {finer:?} {low} {high}");
@@ -248,7 +252,7 @@ fn sources_between_the_points_of_a_quadrature_are_seen() {
 fn loads_on_a_mesh_do_not_depend_on_the_refinements_that_follow() {
     let f = "disc(-0.3,-0.3,0.4)=-6; else=0.6";
     let [short, long] = [2, 3].map(|times| {
-        let problem = Problem::on_mesh(&mesh("disc"), times, f, Law::SIGNORINI).unwrap();
+        let problem = Problem::on_mesh(&mesh("disc"), times, f).unwrap();
         problem.loads().unwrap().into_iter().map(Cow::into_owned).collect::<Vec<_>>()
     });
     assert_eq!(short[..], long[..3]);

@@ -35,7 +35,7 @@ fn exact_values(problem: Exact, n: usize) -> Vec<f64> {
 }
 
 pub(crate) fn natural_residual(n: usize, y: &[f64], load: &[f64]) -> f64 {
-    kkt(grid(n), Law::SIGNORINI, y, load).natural
+    kkt((grid(n), Law::SIGNORINI), y, load).natural
 }
 
 /// Loads of the problems with a formula for the solution, by name.

@@ -22,8 +22,11 @@ fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
     let row = |&r: &f64| {
         let params = Params { r, rule, max_iterations: 100_000, ..Params::default() };
         let (outcomes, _) = solve_nested(
-            &NestedGrids { grids: &scene.grids(), prolongation: scene.saddle().prolongation },
-            Law::SIGNORINI,
+            &NestedGrids {
+                grids: &scene.grids(),
+                law: Law::SIGNORINI,
+                prolongation: scene.saddle().prolongation,
+            },
             &loads,
             &params,
             &mut (),
@@ -67,14 +70,14 @@ fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() 
         let grids = &scene.grids()[..];
         let loads = grids.iter().map(load).collect::<Vec<_>>();
         let params = Params { r, rule, max_iterations: CAP, ..Params::default() };
-        let levels = NestedGrids { grids, prolongation: scene.saddle().prolongation };
-        let (made, made_pair) = solve_nested(&levels, Law::SIGNORINI, &loads, &params, &mut ());
-        let (mut pair, mut defined) = (vec![Pair::zero(grids[0])], Vec::new());
+        let levels =
+            NestedGrids { grids, law: Law::SIGNORINI, prolongation: scene.saddle().prolongation };
+        let (made, made_pair) = solve_nested(&levels, &loads, &params, &mut ());
+        let (mut pair, mut defined) = (vec![Pair::zero((grids[0], Law::SIGNORINI))], Vec::new());
         run_nested(&levels, &mut pair, |k, pair: &mut Vec<Pair>| {
-            let network = Network::of_square(grids[k]);
+            let network = Network::of_square(grids[k], Law::SIGNORINI);
             let params = Params { tolerance: tolerance(k + 1), ..params };
-            let problem = Law::SIGNORINI.with_load(&loads[k]);
-            defined.push(solve(&network, problem, &params, &mut pair[0]));
+            defined.push(solve(&network, &loads[k], &params, &mut pair[0]));
             Ok::<(), ()>(())
         })
         .unwrap();
@@ -145,10 +148,10 @@ fn errors_fall_with_the_square_of_the_width_when_iterated_to_the_end() {
         let grid = Grid::new(n).unwrap();
         let params =
             Params { r: 10.0, tolerance: 1e-11, rule: StopRule::Printed, ..Params::default() };
-        let mut pair = Pair::zero(grid);
+        let mut pair = Pair::zero((grid, Law::SIGNORINI));
         let outcome = arrow_hurwicz(
-            grid,
-            Law::SIGNORINI.with_load(&load(grid, &scene.source(), scene.load())),
+            (grid, Law::SIGNORINI),
+            &load(grid, &scene.source(), scene.load()),
             &params,
             &mut pair,
         );
@@ -174,8 +177,11 @@ fn stopping_by_ten_to_the_minus_n_spoils_that_order() {
     let params = Params { r: 10.0, rule: StopRule::Printed, ..Params::default() };
     let mut errors = ErrorsOnGrids { exact, grids: &grids, largest: Vec::new() };
     solve_nested(
-        &NestedGrids { grids: &grids, prolongation: scene.saddle().prolongation },
-        Law::SIGNORINI,
+        &NestedGrids {
+            grids: &grids,
+            law: Law::SIGNORINI,
+            prolongation: scene.saddle().prolongation,
+        },
         &loads,
         &params,
         &mut errors,

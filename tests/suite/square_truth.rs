@@ -168,7 +168,7 @@ fn what_nearly_touches_is_as_good_as_touching() {
 #[test]
 fn what_is_not_solved_is_refused() {
     let cube = AnyMesh::built_in("cube").unwrap();
-    let in_space = Problem::on_mesh(&cube, 1, "else=-1", Law::SIGNORINI).unwrap();
+    let in_space = Problem::on_mesh(&cube, 1, "else=-1").unwrap();
     assert_eq!(in_space.true_solution().err(), Some(Refusal::NotInSpace(Solver::Spectral)));
     // No polynomial; a disc that is too small to be seen.
     for f in ["formula(abs(x) - 1)", "disc(0.3,-0.4,1e-12)=-1e20; else=-1"] {

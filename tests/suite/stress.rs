@@ -20,15 +20,15 @@ fn what_is_not_a_number_is_never_a_result() {
             let mut poisoned = good.clone();
             poisoned[40] = bad;
             let outcome = arrow_hurwicz(
-                grid,
-                Law::SIGNORINI.with_load(&poisoned),
+                (grid, Law::SIGNORINI),
+                &poisoned,
                 &params,
-                &mut Pair::zero(grid),
+                &mut Pair::zero((grid, Law::SIGNORINI)),
             );
             assert_eq!(outcome.end.stop, Stop::Diverged, "load {bad} {rule}");
-            let mut pair = Pair::zero(grid);
+            let mut pair = Pair::zero((grid, Law::SIGNORINI));
             pair.a[3] = bad;
-            let outcome = arrow_hurwicz(grid, Law::SIGNORINI.with_load(&good), &params, &mut pair);
+            let outcome = arrow_hurwicz((grid, Law::SIGNORINI), &good, &params, &mut pair);
             let finite = pair.y.iter().chain(&pair.a).all(|v| v.is_finite());
             assert!(finite || outcome.end.stop == Stop::Diverged, "a {bad} {rule}");
         }
@@ -56,9 +56,9 @@ proptest! {
         let r = 10f64.powf(r_exponent);
         let tolerance = 10f64.powf(relative_exponent) * largest;
         let params = Params { r, tolerance, rule: StopRule::PrintedDual, max_iterations: 3000, ..Params::default() };
-        let mut pair = Pair { y: vec![start * largest; grid.nodes()], ..Pair::zero(grid) };
-        let outcome = arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &params, &mut pair);
-        let natural = kkt(grid, Law::SIGNORINI, &pair.y, &load).natural;
+        let mut pair = Pair { y: vec![start * largest; grid.nodes()], ..Pair::zero((grid, Law::SIGNORINI)) };
+        let outcome = arrow_hurwicz((grid, Law::SIGNORINI), &load, &params, &mut pair);
+        let natural = kkt((grid, Law::SIGNORINI), &pair.y, &load).natural;
         prop_assert!(natural.is_finite());
         if outcome.end.stop == Stop::Converged {
             let bound = tolerance * (1.0 / r).max(1.0);

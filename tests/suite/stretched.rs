@@ -4,7 +4,7 @@ use crate::common::{Dice, gmsh_file};
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::discrete::end::Stop;
 use signorini_mathematics::levels::Problem;
-use signorini_mathematics::mesh::{AnyMesh, Condition, Facet, MeshData, Names, Part};
+use signorini_mathematics::mesh::{AnyMesh, Facet, MeshData, Names, Part};
 use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::solvers::{Run, Settings, Solver, solve};
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
@@ -95,12 +95,12 @@ impl Rectangle {
             facets.push(Facet { nodes, part: 3 });
         }
         let parts = ["south", "north", "west", "east"].into_iter().map(|name| {
-            let condition = match random.unit() {
-                low if low < 0.15 && name != "south" => Condition::Fixed,
-                low if low < 0.3 && name != "south" => Condition::Free,
-                _ => Condition::Contact,
+            let law = match random.unit() {
+                low if low < 0.15 && name != "south" => Law::FIXED,
+                low if low < 0.3 && name != "south" => Law::FREE,
+                _ => Law::SIGNORINI,
             };
-            Part { names: Names::from(name), condition, curve: None }
+            Part { names: Names::from(name), law, curve: None }
         });
         let parts = parts.collect();
         let data = MeshData { points, cells, facets, parts, ..MeshData::default() };
@@ -134,7 +134,7 @@ fn random_problem_on(rectangle: &Rectangle, random: &mut Dice, times: usize) -> 
         1 => Law::new(0.0, flux).unwrap(),
         _ => Law::new(-flux, flux).unwrap(),
     };
-    Problem::on_mesh(&mesh, times, &f, law).ok()
+    Problem::on_mesh(&mesh.clone().with_law(law), times, &f).ok()
 }
 
 fn run(problem: &Problem, solver: Solver) -> Run {
@@ -176,7 +176,7 @@ fn an_unrefined_mesh_is_solved_in_few_steps() {
         Rectangle { columns: 120, rows: 90, stretch: Stretch::Layers, aspect: 1000.0, moved: 0.0 };
     let mesh = graded.mesh(&mut Dice(7));
     let f = "rect(-9,0.5,-9,0.5)=-6; else=1";
-    let problem = Problem::on_mesh(&mesh, 0, f, Law::SIGNORINI).unwrap();
+    let problem = Problem::on_mesh(&mesh, 0, f).unwrap();
     let run = run(&problem, Solver::Multigrid);
     assert_eq!(run.last().end.stop, Stop::RoundingFloor);
     assert!(run.last().end.iterations <= 25, "{} steps", run.last().end.iterations);
@@ -201,7 +201,7 @@ fn refined_stretched_meshes_are_solved_by_aggregates() {
         let stretch = Stretch::Everywhere;
         let rectangle = Rectangle { columns, rows, stretch, aspect, moved: 0.0 };
         let Some(problem) = random_problem_on(&rectangle, &mut random, 3) else { continue };
-        let most = if problem.law().is_signorini() { 60 } else { 150 };
+        let most = if problem.is_signorini() { 60 } else { 150 };
         let steps = steps(&problem);
         assert!(steps <= most, "{steps} steps at aspect {aspect}");
         solved += 1;
@@ -264,7 +264,7 @@ fn refined_plates_are_solved_by_aggregates() {
     let friction = Law::new(-0.003, 0.003).unwrap();
     for height in [0.1, 0.01, 0.002] {
         for (law, most) in [(Law::SIGNORINI, 60), (friction, 150)] {
-            let problem = Problem::on_mesh(&plate(4, height), 2, "formula(3*x-2)", law);
+            let problem = Problem::on_mesh(&plate(4, height).with_law(law), 2, "formula(3*x-2)");
             let Ok(problem) = problem else { continue };
             let steps = steps(&problem);
             assert!(steps <= most, "{steps} steps at height {height}");

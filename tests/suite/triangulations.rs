@@ -3,7 +3,7 @@
 use crate::common::{Dice, mesh};
 use signorini_mathematics::discrete::end::Stop;
 use signorini_mathematics::levels::Problem;
-use signorini_mathematics::mesh::{AnyMesh, Condition};
+use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
 use signorini_mathematics::solvers::{Run, Settings, Solver, solve};
@@ -31,12 +31,12 @@ fn random_conditions(dice: &mut Dice, mesh: &mut AnyMesh) {
         AnyMesh::Space(mesh) => mesh.parts().iter().map(|part| part.names.to_string()).collect(),
     };
     for (k, name) in names.iter().enumerate() {
-        let condition = match (dice.unit() * 4.0) as u8 {
-            0 => Condition::Fixed,
-            1 if k > 0 => Condition::Free,
-            _ => Condition::Contact,
+        let law = match (dice.unit() * 4.0) as u8 {
+            0 => Law::FIXED,
+            1 if k > 0 => Law::FREE,
+            _ => Law::SIGNORINI,
         };
-        mesh.set_condition(name, condition).unwrap();
+        mesh.set_law(name, law).unwrap();
     }
 }
 
@@ -50,7 +50,7 @@ fn two_unlike_solvers_agree_and_every_bracket_holds() {
         random_conditions(&mut dice, &mut mesh);
         let f = random_f(&mut dice, mesh.dimension());
         let times = if mesh.nodes() < 100 { 2 } else { 1 };
-        let Ok(problem) = Problem::on_mesh(&mesh, times, &f, Law::SIGNORINI) else { continue };
+        let Ok(problem) = Problem::on_mesh(&mesh, times, &f) else { continue };
         let run = solved(&problem, Solver::Multigrid);
         let name = format!("case {case}: {f}");
         assert_eq!(run.last().end.stop, Stop::RoundingFloor, "{name}");
@@ -74,14 +74,13 @@ fn two_unlike_solvers_agree_and_every_bracket_holds() {
 #[test]
 fn the_papers_method_on_the_cube_ends_at_the_solution() {
     let f = "box(-0.5,0,-0.5,0,-0.5,0)=3; else=-1";
-    let problem = Problem::on_mesh(&mesh("cube"), 3, f, Law::SIGNORINI).unwrap();
+    let problem = Problem::on_mesh(&mesh("cube"), 3, f).unwrap();
     let y = solved(&problem, Solver::Multigrid).y;
     let network = &problem.networks().unwrap()[problem.finest()].network;
     let params =
         Params { r: 10.0, tolerance: 1e-12, rule: StopRule::PrintedDual, ..Params::default() };
     let mut pair = Pair::zero(network);
-    let loaded = problem.law().with_load(problem.load());
-    let run = arrow_hurwicz(network, loaded, &params, &mut pair);
+    let run = arrow_hurwicz(network, problem.load(), &params, &mut pair);
     assert_eq!(run.end.stop, Stop::Converged);
     let apart = y.iter().zip(&pair.y).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
     assert!(apart < 1e-8, "{apart:e}");

@@ -12,7 +12,6 @@ use indicatif::ProgressBar;
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::mesh::PointValue;
-use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::text::plain;
 use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{Run, Solved, Solver};
@@ -22,9 +21,9 @@ const DIGITS: usize = 7;
 const ALL_DIGITS: usize = 16;
 
 /// Returns numbers of boundary nodes by their states in words.
-fn states_in_words([sticks, slips_up, slips_down]: [usize; 3], law: Law) -> String {
+fn states_in_words([sticks, slips_up, slips_down]: [usize; 3], is_papers_law: bool) -> String {
     let all = sticks + slips_up + slips_down;
-    if law.is_signorini() {
+    if is_papers_law {
         return format!("contact in {sticks} of {all} boundary nodes");
     }
     format!("{sticks} of {all} boundary nodes stick, {slips_up} slip up, {slips_down} slip down")
@@ -140,8 +139,11 @@ impl Answer {
     /// Returns a true solution in words.
     fn truth(&self) -> String {
         let Some(found) = self.solved.truth() else { return String::new() };
-        let law = self.solved.problem.law();
-        let law = if law.is_signorini() { String::new() } else { format!("law {law}\n") };
+        let problem = &self.solved.problem;
+        let law = match problem.is_signorini() {
+            true => String::new(),
+            false => format!("law {}\n", problem.laws_in_words()),
+        };
         let energy =
             self.numbers.shown_energy(if found.bracket.is_ok() { ALL_DIGITS } else { TEN });
         let bounds = bound::text(&self.numbers, false) + &bound::boundary(&self.solved);
@@ -152,7 +154,7 @@ impl Answer {
     /// Returns what was asked for: the energy with its bounds, v, and the contact.
     fn solution(&self, request: &Request, run: &Run, recover: bool) -> String {
         let (problem, levels) = (&self.solved.problem, self.solved.problem.levels());
-        let (last, law) = (run.last(), problem.law());
+        let last = run.last();
         let mut text = self.energy_in_words(request, run);
         text += &bound::text(&self.numbers, recover);
         if let Some(errors) = self.solved.errors() {
@@ -168,7 +170,7 @@ impl Answer {
         let arcs = self.solved.contact().unwrap_or_default();
         let states = run.judgement.state_counts();
         let states = [states.sticks, states.slips_up, states.slips_down];
-        text += &states_in_words(states, law);
+        text += &states_in_words(states, problem.is_signorini());
         let parts = problem.parts_in_contact(&run.judgement);
         if let Some(parts) = parts.as_ref().filter(|parts| arcs.is_empty() && !parts.is_empty()) {
             text += &format!(", on {parts}");

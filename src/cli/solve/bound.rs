@@ -1,6 +1,7 @@
 //! Text on an answer: guaranteed bounds of its error and of the true energy, and the contact found.
 
 use crate::replication::numbers::{Numbers, with_share};
+use signorini_mathematics::problem::law::name_of_force;
 use signorini_mathematics::problem::text::{known, plain};
 use signorini_mathematics::solvers::Solved;
 
@@ -26,12 +27,12 @@ const SIX: usize = 6;
 /// Returns, as text, the arcs at zero, and the total flux beside minus the integral of f, which are equal at the
 /// solution unless a part is fixed.
 pub(super) fn boundary(solved: &Solved) -> String {
-    let (problem, law) = (&solved.problem, solved.problem.law());
+    let (problem, is_papers_law) = (&solved.problem, solved.problem.is_signorini());
     let rounding = problem.levels().facts().rounding();
     let error = solved.truth().map(|found| found.unbalanced.max(rounding));
     let digits = if error.is_some() { TEN } else { SIX };
     let (holds, total) =
-        (if law.is_signorini() { "contact" } else { "sticks" }, law.name_of_force());
+        (if is_papers_law { "contact" } else { "sticks" }, name_of_force(is_papers_law));
     let arcs = solved.contact().unwrap_or_default();
     let has_parts = arcs.iter().any(|arc| arc.part.is_some())
         && problem.levels().mesh(0).part_names().nth(1).is_some();

@@ -5,7 +5,6 @@
 
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::mesh::AnyMesh;
-use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::solvers::Adaption;
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -13,7 +12,6 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let adaption = Adaption {
         coarsest: coarsest.plane().expect("a domain in the plane"),
         f: "rect(-9,0,-9,0)=3; else=-2",
-        law: Law::SIGNORINI,
         goal: Accuracy::Error(0.02),
         most_nodes: 100_000,
         bisections: Adaption::BISECTIONS,

@@ -10,7 +10,7 @@ use signorini_mathematics::solvers::{Settings, Solver, solve};
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let disc = AnyMesh::built_in("disc").expect("a built-in domain");
     let f = "disc(0.3,0,0.4)=5; else=-1";
-    let problem = Problem::on_mesh(&disc, 5, f, Law::friction(0.8)?)?;
+    let problem = Problem::on_mesh(&disc.with_law(Law::friction(0.8)?), 5, f)?;
     let run = solve(&problem, &Settings::of(Solver::Multigrid))?;
     let [low, high] = problem.bounds(&run.y)?.energy;
     println!("energy {:.5}, that of the polygon in [{low:.5}, {high:.5}]", run.judgement.energy);

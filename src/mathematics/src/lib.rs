@@ -49,13 +49,13 @@
 //!
 //! ```
 //! use signorini_mathematics::levels::Problem;
-//! use signorini_mathematics::mesh::{AnyMesh, Condition};
+//! use signorini_mathematics::mesh::AnyMesh;
 //! use signorini_mathematics::problem::law::Law;
 //! use signorini_mathematics::solvers::{Settings, Solver, solve};
 //!
 //! let mut ring = AnyMesh::built_in("annulus").expect("a built-in domain");
-//! ring.set_condition("inner", Condition::Fixed)?;
-//! let problem = Problem::on_mesh(&ring, 3, "halfplane(1,0,0)=2; else=-1", Law::SIGNORINI)?;
+//! ring.set_law("inner", Law::FIXED)?;
+//! let problem = Problem::on_mesh(&ring, 3, "halfplane(1,0,0)=2; else=-1")?;
 //! let [by_multigrid, by_the_active_set] = [Solver::Multigrid, Solver::ActiveSet]
 //!     .map(|solver| solve(&problem, &Settings::of(solver)).map(|run| run.judgement.energy));
 //! assert!((by_multigrid? / by_the_active_set? - 1.0).abs() < 1e-10);
@@ -70,14 +70,13 @@
 //! use signorini_mathematics::problem::law::Law;
 //! use signorini_mathematics::solvers::{Settings, Solver, solve};
 //!
-//! let disc = AnyMesh::built_in("disc").expect("a built-in domain");
-//! let law = Law::friction(0.8)?;
-//! let problem = Problem::on_mesh(&disc, 4, "disc(0.3,0,0.4)=5; else=-1", law)?;
+//! let disc = AnyMesh::built_in("disc").expect("a built-in domain").with_law(Law::friction(0.8)?);
+//! let problem = Problem::on_mesh(&disc, 4, "disc(0.3,0,0.4)=5; else=-1")?;
 //! let run = solve(&problem, &Settings::of(Solver::Multigrid))?;
 //! assert!(run.judgement.flux.iter().zip(&run.judgement.contact).all(|(flux, contact)| {
 //!     flux.abs() <= 0.8 * contact.measure * (1.0 + 1e-9)
 //! }));
-//! let refused = Problem::on_mesh(&disc, 4, "else=2", law);
+//! let refused = Problem::on_mesh(&disc, 4, "else=2");
 //! assert!(matches!(refused, Err(ProblemError::Unsolvable(_))));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

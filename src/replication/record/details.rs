@@ -9,6 +9,7 @@ use crate::replication::fields::table::FIELDS;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use signorini_mathematics::bounds::Accuracy;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::solvers::{Run, Solved};
 use signorini_mathematics::statement::{Fineness, Statement};
 
@@ -19,7 +20,7 @@ pub(crate) fn details(
     record: &Record,
     levels: &[LevelNumbers],
 ) -> Map<String, Value> {
-    let (facts, law) = (solved.problem.levels().facts(), solved.problem.law());
+    let facts = solved.problem.levels().facts();
     let mut json = Map::new();
     let mut insert = |of: Value| json.extend(of.as_object().cloned().unwrap_or_default());
     insert(json!({
@@ -33,8 +34,16 @@ pub(crate) fn details(
     if let Some(reason) = solved.no_bound() {
         insert(json!({ "bound_reason": reason.to_string() }));
     }
-    if !law.is_signorini() {
-        insert(json!({ "law": { "lo": finite(law.lo()), "hi": finite(law.hi()) } }));
+    let ends = |law: Law| json!({ "lo": finite(law.lo()), "hi": finite(law.hi()) });
+    match solved.problem.law() {
+        Some(Law::SIGNORINI) => {}
+        Some(law) => insert(json!({ "law": ends(law) })),
+        None => {
+            let laws = solved.problem.levels().laws().into_iter();
+            insert(
+                json!({ "law": laws.map(|(part, law)| (part, ends(law))).collect::<Map<_, _>>() }),
+            );
+        }
     }
     if let Some(found) = solved.truth() {
         insert(of_truth(&found.checks));
@@ -102,7 +111,7 @@ fn on_levels(statement: &Statement, solved: &Solved, run: &Run) -> Value {
         "unknowns": run.y.len(),
         "contact_nodes": { "nodes": states.sticks, "boundary_nodes": states.all() },
     });
-    if !problem.law().is_signorini() {
+    if !problem.is_signorini() {
         json["states"] = json!(states);
     }
     if let Some(errors) = solved.errors() {

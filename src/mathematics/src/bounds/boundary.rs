@@ -9,6 +9,8 @@ pub(crate) struct BoundaryPart {
     pub flux: f64,
     /// Length or area.
     pub measure: f64,
+    /// Interval of the flux.
+    pub law: PartLaw,
 }
 
 /// Signs that a function in K may have on the boundary: those under which the law's term of the energy is finite, or
@@ -22,9 +24,17 @@ pub(crate) struct Slips {
 }
 
 impl Slips {
+    /// Both signs.
+    pub(crate) const ALL: Self = Self { up: true, down: true };
+
     /// Signs that a law allows.
     pub(crate) fn of_law(law: Law) -> Self {
-        Self { up: law.lo().is_finite(), down: law.hi().is_finite() }
+        Self::ALL.and(law)
+    }
+
+    /// Those signs that a law allows.
+    pub(crate) fn and(self, law: Law) -> Self {
+        Self { up: self.up && law.lo().is_finite(), down: self.down && law.hi().is_finite() }
     }
 
     /// Zero in place of a value with a sign that is left out; else the value, also if it is no number.
@@ -186,15 +196,15 @@ fn single_positive_mean<const N: usize>(values: [f64; N]) -> f64 {
     others.fold(top / N as f64, |product, value| product * (top / (top - value)))
 }
 
-/// Shifts the fluxes per length or area by one number, and keeps them in the interval of the law, so that their sum
-/// becomes `sum`. Parts at an end of the interval, where v slips, move only if the others cannot balance the sum.
+/// Shifts the fluxes per length or area by one number, and keeps them in the intervals, so that their sum becomes `sum`.
+/// Parts at an end of the interval, where v slips, move only if the others cannot balance the sum.
 ///
-/// The interval must be bounded. A sum out of reach is missed.
-pub(crate) fn shift_to_sum(law: Law, parts: &mut [BoundaryPart], sum: f64) {
+/// The intervals must be bounded. A sum out of reach is missed.
+pub(crate) fn shift_to_sum(parts: &mut [BoundaryPart], sum: f64) {
     for with_ends in [false, true] {
         let mut open: Vec<usize> = (0..parts.len()).collect();
         if !with_ends {
-            open.retain(|&k| PartLaw::new(law, parts[k].measure).room(parts[k].flux) > 0.0);
+            open.retain(|&k| parts[k].law.room(parts[k].flux) > 0.0);
         }
         while !open.is_empty() {
             let missing = sum - parts.iter().map(|part| part.flux).sum::<f64>();
@@ -203,7 +213,7 @@ pub(crate) fn shift_to_sum(law: Law, parts: &mut [BoundaryPart], sum: f64) {
             open.retain(|&k| {
                 let part = &mut parts[k];
                 let shifted = part.flux + shift * part.measure;
-                part.flux = PartLaw::new(law, part.measure).clamp(shifted);
+                part.flux = part.law.clamp(shifted);
                 shifted == part.flux || shifted.is_nan()
             });
             if open.len() == before {
@@ -281,14 +291,15 @@ mod tests {
         ) {
             let mut parts = Vec::new();
             for (flux, measure) in fluxes {
-                parts.push(BoundaryPart { flux: measure * law.project(flux), measure });
+                let part = PartLaw::new(law, measure);
+                parts.push(BoundaryPart { flux: measure * law.project(flux), measure, law: part });
             }
             let perimeter: f64 = parts.iter().map(|part| part.measure).sum();
             let sum = perimeter * (law.lo() + fraction * (law.hi() - law.lo()));
-            shift_to_sum(law, &mut parts, sum);
+            shift_to_sum(&mut parts, sum);
             prop_assert!((parts.iter().map(|part| part.flux).sum::<f64>() - sum).abs() < 1e-13);
             for part in parts {
-                prop_assert!(PartLaw::new(law, part.measure).room(part.flux) >= 0.0);
+                prop_assert!(part.law.room(part.flux) >= 0.0);
             }
         }
     }

@@ -1,8 +1,5 @@
-//! The discrete problem: the grid or network on which it is posed, with its connected components, the law on the
-//! boundary, and the load vector.
-//!
-//! A solver takes law and load at once. Neither is a setting of the solver, and neither has a default, so that no
-//! caller can forget the law.
+//! The discrete problem without its load vector: the grid with its law or network on which it is posed, and its
+//! connected components.
 
 use super::grid::Grid;
 use super::load_stats::LoadStats;
@@ -14,15 +11,15 @@ use std::borrow::Cow;
 /// Grid of the square or network on which a discrete problem is posed.
 #[derive(Clone, Copy, Debug)]
 pub enum DiscreteDomain<'a> {
-    /// Grid of the square, without a matrix in memory.
-    Grid(Grid),
+    /// Grid of the square, without a matrix in memory, and the law on its boundary.
+    Grid(Grid, Law),
     /// Network of a mesh.
     Network(&'a Network),
 }
 
-impl From<Grid> for DiscreteDomain<'_> {
-    fn from(grid: Grid) -> Self {
-        Self::Grid(grid)
+impl From<(Grid, Law)> for DiscreteDomain<'_> {
+    fn from((grid, law): (Grid, Law)) -> Self {
+        Self::Grid(grid, law)
     }
 }
 
@@ -36,7 +33,7 @@ impl<'a> DiscreteDomain<'a> {
     /// Number of nodes, the length of a nodal vector.
     pub fn nodes(self) -> usize {
         match self {
-            Self::Grid(grid) => grid.nodes(),
+            Self::Grid(grid, _) => grid.nodes(),
             Self::Network(network) => network.nodes(),
         }
     }
@@ -44,7 +41,7 @@ impl<'a> DiscreteDomain<'a> {
     /// Cells per side of a uniform grid; none on a mesh.
     pub fn cells(self) -> Option<usize> {
         match self {
-            Self::Grid(grid) => Some(grid.cells()),
+            Self::Grid(grid, _) => Some(grid.cells()),
             Self::Network(_) => None,
         }
     }
@@ -54,10 +51,10 @@ impl<'a> DiscreteDomain<'a> {
         self.cells().unwrap_or_else(|| (self.nodes() as f64).sqrt() as usize)
     }
 
-    /// Boundary nodes where the law holds, in the order of a boundary vector.
+    /// Boundary nodes that are neither free nor fixed, in the order of a boundary vector.
     pub fn contact(self) -> Cow<'a, [ContactNode]> {
         match self {
-            Self::Grid(grid) => grid.contact_nodes().into(),
+            Self::Grid(grid, law) => grid.contact_nodes(law).into(),
             Self::Network(network) => network.contact().into(),
         }
     }
@@ -65,16 +62,16 @@ impl<'a> DiscreteDomain<'a> {
     /// True if v = 0 on a part of the boundary.
     pub fn has_fixed_part(self) -> bool {
         match self {
-            Self::Grid(_) => false,
-            Self::Network(network) => !network.fixed().is_empty(),
+            Self::Grid(..) => false,
+            Self::Network(network) => !network.held().is_empty(),
         }
     }
 
     /// Connected components, with a load vector.
     pub(crate) fn components(self, load: &[f64]) -> Vec<Component> {
         match self {
-            Self::Grid(_) => {
-                vec![Component::in_contact(Grid::PERIMETER, LoadStats::measure(load).sum())]
+            Self::Grid(_, law) => {
+                vec![Component::whole(law, Grid::PERIMETER, LoadStats::measure(load).sum())]
             }
             Self::Network(network) => components(network, &network.components(), load),
         }
@@ -94,19 +91,19 @@ pub(crate) fn components(network: &Network, of_nodes: &[u32], load: &[f64]) -> V
     for (number, part) in (1..).zip(&loads) {
         let integral = LoadStats::measure(if count > 1 { part } else { load }).sum();
         let number = (count > 1).then_some(number);
-        let has_fixed = false;
-        found.push(Component { number, has_fixed, has_parts: true, measure: 0.0, integral });
+        found.push(Component {
+            number,
+            has_parts: true,
+            ..Component::whole(Law::FREE, 0.0, integral)
+        });
     }
-    for &node in network.fixed() {
-        found[of_nodes[node as usize] as usize].has_fixed = true;
-    }
-    for contact in network.contact() {
-        found[of_nodes[contact.node] as usize].measure += contact.measure;
+    for &ContactNode { node, measure, law } in network.boundary() {
+        found[of_nodes[node] as usize].laws.add(law, measure);
     }
     found
 }
 
-/// Law on the boundary, and load vector.
+/// Law on the boundary of the square, and load vector.
 #[derive(Clone, Copy, Debug)]
 pub struct LawAndLoad<'a> {
     /// Law on the boundary.

@@ -1,6 +1,6 @@
 //! Uniform P1 grids of the square (-1/2, 1/2)^2 and the order of their nodes.
 
-use crate::problem::law::ContactNode;
+use crate::problem::law::{ContactNode, Law};
 
 /// Cells per side of the coarsest grid that has an interior node.
 pub const MIN_CELLS: usize = 2;
@@ -105,9 +105,9 @@ impl Grid {
         })
     }
 
-    /// Boundary nodes in boundary order.
-    pub fn contact_nodes(self) -> Vec<ContactNode> {
-        self.boundary().map(|node| ContactNode { node, measure: self.h() }).collect()
+    /// Boundary nodes under a law, in boundary order.
+    pub fn contact_nodes(self, law: Law) -> Vec<ContactNode> {
+        self.boundary().map(|node| ContactNode { node, measure: self.h(), law }).collect()
     }
 
     /// True if boundary node `b` is a corner of the square.

@@ -6,7 +6,7 @@ use crate::discrete::network::Network;
 use crate::discrete::stiffness::{add_energy, residual_row};
 use crate::machine::extremes::{max_or_nan, min_or_nan, range};
 use crate::machine::simd::Largest;
-use crate::problem::law::{BoundaryState, ContactNode, Law};
+use crate::problem::law::{BoundaryState, ContactNode};
 use serde::{Deserialize, Serialize};
 
 /// Violations of the conditions: `A y = F` inside, and the [law](Law) on the boundary; for the paper's law `y >= 0` and
@@ -68,8 +68,6 @@ pub struct Judgement {
     pub rounding: f64,
     /// Least and greatest nodal value.
     pub range: [f64; 2],
-    /// Law by which the vector was judged.
-    law: Law,
 }
 
 impl Judgement {
@@ -97,8 +95,8 @@ impl Judgement {
         for ((state, contact), flux) in self.states.iter().zip(&self.contact).zip(&self.flux) {
             force += match state {
                 BoundaryState::Sticks => *flux,
-                BoundaryState::SlipsUp => contact.measure * self.law.lo(),
-                BoundaryState::SlipsDown => contact.measure * self.law.hi(),
+                BoundaryState::SlipsUp => contact.measure * contact.law.lo(),
+                BoundaryState::SlipsDown => contact.measure * contact.law.hi(),
             };
         }
         force
@@ -118,14 +116,14 @@ impl Judgement {
     /// The multiplier at the boundary nodes for the nodal vector `y` that was judged: the flux over the measure of the
     /// node, an end of the law's interval where the flux of a solution is that end but for rounding errors.
     pub fn multiplier(&self, y: &[f64]) -> Vec<f64> {
-        let of_node = |(&ContactNode { node, measure }, flux): (&ContactNode, &f64)| {
-            let [above_lo, above_hi] = self.law.above_ends(*flux, measure);
+        let of_node = |(&ContactNode { node, measure, law }, flux): (&ContactNode, &f64)| {
+            let [above_lo, above_hi] = law.above_ends(*flux, measure);
             if above_lo - y[node] <= self.rounding {
-                self.law.lo()
+                law.lo()
             } else if above_hi - y[node] >= -self.rounding {
-                self.law.hi()
+                law.hi()
             } else {
-                self.law.project(flux / measure)
+                law.project(flux / measure)
             }
         };
         self.contact.iter().zip(&self.flux).map(of_node).collect()
@@ -142,28 +140,23 @@ pub fn rounding(cells: usize, largest: f64) -> f64 {
     cells as f64 * f64::EPSILON * largest
 }
 
-/// Judges the nodal vector `y` for the load vector `load` under a law.
+/// Judges the nodal vector `y` for the load vector `load`.
 ///
 /// # Panics
 /// If a slice is not a nodal vector of the domain.
-pub fn judge<'a>(
-    domain: impl Into<DiscreteDomain<'a>>,
-    law: Law,
-    y: &[f64],
-    load: &[f64],
-) -> Judgement {
-    judge_on(domain.into(), law, y, load)
+pub fn judge<'a>(domain: impl Into<DiscreteDomain<'a>>, y: &[f64], load: &[f64]) -> Judgement {
+    judge_on(domain.into(), y, load)
 }
 
-fn judge_on(domain: DiscreteDomain<'_>, law: Law, y: &[f64], load: &[f64]) -> Judgement {
+fn judge_on(domain: DiscreteDomain<'_>, y: &[f64], load: &[f64]) -> Judgement {
     assert!(y.len() == domain.nodes() && load.len() == y.len());
     let mut judge = Judge::default();
     let flux = match domain {
-        DiscreteDomain::Grid(grid) => judge.see_grid(grid, y, load),
+        DiscreteDomain::Grid(grid, _) => judge.see_grid(grid, y, load),
         DiscreteDomain::Network(network) => judge.see_network(network, y, load),
     };
     let (cells, contact) = (domain.width(), domain.contact().into_owned());
-    judge.judgement(JudgedValues { law, cells, y, contact, flux })
+    judge.judgement(JudgedValues { cells, y, contact, flux })
 }
 
 /// True if the discrete problem with this load vector has a solution: over each connected component, y = 0 at some
@@ -171,16 +164,16 @@ fn judge_on(domain: DiscreteDomain<'_>, law: Law, y: &[f64], load: &[f64]) -> Ju
 ///
 /// # Panics
 /// If the load is not a nodal vector of the domain.
-pub fn has_solution<'a>(domain: impl Into<DiscreteDomain<'a>>, law: Law, load: &[f64]) -> bool {
-    domain.into().components(load).into_iter().all(|component| component.check(law, 0.0).is_ok())
+pub fn has_solution<'a>(domain: impl Into<DiscreteDomain<'a>>, load: &[f64]) -> bool {
+    domain.into().components(load).into_iter().all(|component| component.check(0.0).is_ok())
 }
 
 /// Residuals of the conditions for `y`, as [`judge`] finds it.
 ///
 /// # Panics
 /// If a slice is not a nodal vector of the domain.
-pub fn kkt<'a>(domain: impl Into<DiscreteDomain<'a>>, law: Law, y: &[f64], load: &[f64]) -> Kkt {
-    judge(domain, law, y, load).kkt
+pub fn kkt<'a>(domain: impl Into<DiscreteDomain<'a>>, y: &[f64], load: &[f64]) -> Kkt {
+    judge(domain, y, load).kkt
 }
 
 /// A judgement that takes one row of nodes after the other into account.
@@ -194,8 +187,6 @@ struct Judge {
 
 /// Values to be judged, with the flux at the boundary nodes.
 struct JudgedValues<'a> {
-    /// Law on the boundary.
-    law: Law,
     /// Cells per side of the grid, or as many as would give as many nodes.
     cells: usize,
     /// Nodal vector.
@@ -247,21 +238,21 @@ impl Judge {
         for contact in network.contact() {
             flux.push(std::mem::take(&mut gradient[contact.node]));
         }
-        for &node in network.fixed() {
-            gradient[node as usize] = y[node as usize];
+        for &ContactNode { node, .. } in network.held() {
+            gradient[node] = y[node];
         }
         self.stationarity.see(1.0, &gradient);
         flux
     }
 
     fn judgement(&self, judged: JudgedValues<'_>) -> Judgement {
-        let JudgedValues { law, cells, y, contact, flux } = judged;
+        let JudgedValues { cells, y, contact, flux } = judged;
         let (mut min_y, mut min_lambda) = (None, None);
         let least =
             |known: Option<f64>, value| Some(known.map_or(value, |known| min_or_nan(known, value)));
         let (mut energy, mut work) = (self.energy, 0.0);
         let mut complementarity = Largest::default();
-        for (flux, &ContactNode { node, measure }) in flux.iter().zip(&contact) {
+        for (flux, &ContactNode { node, measure, law }) in flux.iter().zip(&contact) {
             let potential = measure * law.potential(y[node]);
             min_y = least(min_y, y[node]);
             min_lambda = least(min_lambda, flux / measure);
@@ -273,7 +264,7 @@ impl Judge {
         largest.see(1.0, &flux);
         let rounding = rounding(cells, largest.value());
         let of_node = |(flux, contact): (&f64, &ContactNode)| {
-            law.state(y[contact.node], *flux, contact.measure, rounding)
+            contact.law.state(y[contact.node], *flux, contact.measure, rounding)
         };
         let states = flux.iter().zip(&contact).map(of_node).collect();
         let [stationarity, complementarity, scale] =
@@ -281,13 +272,14 @@ impl Judge {
         let natural = max_or_nan(stationarity, complementarity);
         let relative = if natural == 0.0 { 0.0 } else { natural / scale };
         let kkt = Kkt { stationarity, min_y, min_lambda, complementarity, natural, relative };
-        Judgement { kkt, energy, contact, flux, work, states, rounding, range: range(y), law }
+        Judgement { kkt, energy, contact, flux, work, states, rounding, range: range(y) }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::problem::law::Law;
 
     #[test]
     fn each_violation_is_seen_where_it_is() {
@@ -296,17 +288,17 @@ mod tests {
         load[4] = -1.0;
         let mut y = vec![0.0; 9];
         y[4] = -0.25;
-        let solved = kkt(grid, Law::SIGNORINI, &y, &load);
+        let solved = kkt((grid, Law::SIGNORINI), &y, &load);
         assert_eq!((solved.natural, solved.min_y, solved.min_lambda), (0.0, Some(0.0), Some(0.0)));
         y[4] = 0.0;
-        assert_eq!(kkt(grid, Law::SIGNORINI, &y, &load).stationarity, 1.0);
+        assert_eq!(kkt((grid, Law::SIGNORINI), &y, &load).stationarity, 1.0);
         y[4] = -0.25;
         y[1] = -0.5;
-        let infeasible = kkt(grid, Law::SIGNORINI, &y, &load);
+        let infeasible = kkt((grid, Law::SIGNORINI), &y, &load);
         assert_eq!(infeasible.min_y, Some(-0.5));
         assert!(infeasible.complementarity >= 0.5);
         load[3] = 7.0;
-        assert!(kkt(grid, Law::SIGNORINI, &y, &load).min_lambda.unwrap() < -6.0);
+        assert!(kkt((grid, Law::SIGNORINI), &y, &load).min_lambda.unwrap() < -6.0);
     }
 
     #[test]
@@ -315,10 +307,10 @@ mod tests {
         for node in [0, 4] {
             let mut y = vec![0.0; 9];
             y[node] = f64::NAN;
-            assert!(kkt(grid, Law::SIGNORINI, &y, &[1.0; 9]).natural.is_nan());
+            assert!(kkt((grid, Law::SIGNORINI), &y, &[1.0; 9]).natural.is_nan());
             let mut load = [1.0; 9];
             load[node] = f64::NAN;
-            assert!(kkt(grid, Law::SIGNORINI, &[0.0; 9], &load).natural.is_nan());
+            assert!(kkt((grid, Law::SIGNORINI), &[0.0; 9], &load).natural.is_nan());
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Nested networks: the discrete problems of a triangulation and its refinements, coarsest first.
 
-use super::network::{Network, NodeCondition};
+use super::network::Network;
 
 /// Discrete problem of one mesh among its refinements.
 #[derive(Clone, Debug)]
@@ -28,10 +28,7 @@ impl NestedNetwork {
 
     /// Returns the linear interpolation of a boundary vector of the coarser network, whose values elsewhere are zero.
     pub fn interpolate_boundary(&self, coarser: &Network, values: &[f64]) -> Vec<f64> {
-        let value = |node: u32| match coarser.condition(node as usize) {
-            NodeCondition::Contact(place) => values[place],
-            NodeCondition::Inner | NodeCondition::Fixed => 0.0,
-        };
+        let value = |node: u32| coarser.contact_at(node as usize).map_or(0.0, |(b, _)| values[b]);
         let old = self.coarse_nodes();
         let contact = self.network.contact().iter().map(|contact| contact.node);
         let interpolated = contact.map(|node| match node.checked_sub(old) {

@@ -4,18 +4,8 @@
 //! stiffness matrix (5) has `-weight` beside the diagonal, and rows that sum to zero. In (7)-(12) the part of the
 //! boundary at a node takes the place of h.
 
-use crate::problem::law::ContactNode;
-
-/// Condition on y at a node.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NodeCondition {
-    /// None: the node lies inside, or on a part of the boundary where dv/dn = 0.
-    Inner,
-    /// y = 0.
-    Fixed,
-    /// The law of the problem; the position of the node in [`Network::contact`].
-    Contact(usize),
-}
+use crate::machine::extremes::max_or_nan;
+use crate::problem::law::{ContactNode, Law, LawSum};
 
 /// Coupling of two nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,20 +30,18 @@ pub struct Network {
     weights: Vec<f64>,
     /// Diagonal of the stiffness matrix.
     diagonal: Vec<f64>,
-    /// Contact nodes, in the order of a boundary vector.
-    contact: Vec<ContactNode>,
-    /// Nodes at which y = 0.
-    fixed: Vec<u32>,
-    /// Position in `contact` of each node, or [`INNER`] or [`FIXED`].
+    /// Nodes with a law: first those in the order of a boundary vector, then those where y = 0.
+    boundary: Vec<ContactNode>,
+    /// Number of the first ones.
+    moving: usize,
+    /// Position in `boundary` of each node, or [`INNER`].
     places: Vec<u32>,
     /// Integrals of the hat functions over the domain, the lumped mass matrix.
     masses: Vec<f64>,
 }
 
-/// Place of a node without a condition.
+/// Place of a node without a law, inside or on a free part of the boundary.
 const INNER: u32 = u32::MAX;
-/// Place of a node at which y = 0.
-const FIXED: u32 = u32::MAX - 1;
 
 /// Rows of a symmetric matrix without its diagonal, each coupling in two of them, in any order.
 pub(crate) struct MatrixRows {
@@ -100,6 +88,8 @@ pub(crate) struct ContactRow {
     pub diagonal: f64,
     /// Length or area of the boundary at the node.
     pub measure: f64,
+    /// Law there.
+    pub law: Law,
 }
 
 impl Row<'_> {
@@ -121,8 +111,7 @@ impl Network {
     /// If there are more couplings than 32 bits number, or a node does not exist.
     pub(crate) fn new(
         couplings: &[Coupling],
-        contact: Vec<ContactNode>,
-        fixed: Vec<u32>,
+        boundary: Vec<ContactNode>,
         masses: Vec<f64>,
     ) -> Self {
         let nodes = masses.len();
@@ -145,19 +134,13 @@ impl Network {
                 *place += 1;
             }
         }
-        Self::of_rows(MatrixRows { starts, others, weights }, contact, masses).with_fixed(fixed)
+        Self::of_rows(MatrixRows { starts, others, weights }, boundary, masses)
     }
 
-    /// Network with these fixed nodes.
-    fn with_fixed(mut self, fixed: Vec<u32>) -> Self {
-        fixed.iter().for_each(|&node| self.places[node as usize] = FIXED);
-        Self { fixed, ..self }
-    }
-
-    /// Network without fixed nodes, with each coupling in the rows of both of its nodes.
+    /// Network with each coupling in the rows of both of its nodes.
     pub(crate) fn of_rows(
         MatrixRows { starts, mut others, mut weights }: MatrixRows,
-        contact: Vec<ContactNode>,
+        boundary: Vec<ContactNode>,
         masses: Vec<f64>,
     ) -> Self {
         let nodes = masses.len();
@@ -182,12 +165,12 @@ impl Network {
             middles,
             weights,
             diagonal,
-            contact: Vec::new(),
-            fixed: Vec::new(),
+            boundary: Vec::new(),
+            moving: 0,
             places: vec![INNER; nodes],
             masses,
         };
-        network.set_contact(contact);
+        network.set_boundary(boundary);
         network
     }
 
@@ -213,25 +196,28 @@ impl Network {
             masses.push(self.masses[node]);
             additions.push(self.diagonal[node] - weights.iter().sum::<f64>());
         }
-        let moved = |contact: &ContactNode| ContactNode {
-            node: places[contact.node] as usize,
-            measure: contact.measure,
-        };
-        let mut contact: Vec<ContactNode> = self.contact.iter().map(moved).collect();
-        contact.sort_unstable_by_key(|contact| contact.node);
-        let mut fixed: Vec<u32> = self.fixed.iter().map(|&node| places[node as usize]).collect();
-        fixed.sort_unstable();
-        Self::of_rows(rows, contact, masses).with_additions(&additions).with_fixed(fixed)
+        let mut boundary = self.boundary.clone();
+        boundary.iter_mut().for_each(|contact| contact.node = places[contact.node] as usize);
+        boundary.sort_unstable_by_key(|contact| contact.node);
+        Self::of_rows(rows, boundary, masses).with_additions(&additions)
     }
 
-    /// Replaces the nodes in contact.
-    pub(super) fn set_contact(&mut self, contact: Vec<ContactNode>) {
+    /// Network with other laws of the contact nodes, in their order.
+    pub fn with_laws(&self, laws: &[Law]) -> Self {
+        let mut network = self.clone();
+        network.boundary.iter_mut().zip(laws).for_each(|(contact, law)| contact.law = *law);
+        network
+    }
+
+    /// Replaces the nodes with a law.
+    pub(super) fn set_boundary(&mut self, mut boundary: Vec<ContactNode>) {
+        boundary.sort_by_key(|contact| !contact.law.may_move());
         self.places.fill(INNER);
-        for (place, contact) in contact.iter().enumerate() {
+        for (place, contact) in boundary.iter().enumerate() {
             self.places[contact.node] = place as u32;
         }
-        self.fixed.iter().for_each(|&node| self.places[node as usize] = FIXED);
-        self.contact = contact;
+        self.moving = boundary.partition_point(|contact| contact.law.may_move());
+        self.boundary = boundary;
     }
 
     /// Number of nodes, the length of a nodal vector.
@@ -272,19 +258,26 @@ impl Network {
         components
     }
 
-    /// Contact nodes, in the order of a boundary vector.
-    pub fn contact(&self) -> &[ContactNode] {
-        &self.contact
+    /// Nodes with a law, those of a boundary vector first.
+    pub fn boundary(&self) -> &[ContactNode] {
+        &self.boundary
     }
 
-    /// Length or area of the boundary where the law holds.
-    pub fn perimeter(&self) -> f64 {
-        self.contact.iter().map(|contact| contact.measure).sum()
+    /// Contact nodes, whose law lets them slip, in the order of a boundary vector.
+    pub fn contact(&self) -> &[ContactNode] {
+        &self.boundary[..self.moving]
     }
 
     /// Nodes at which y = 0.
-    pub fn fixed(&self) -> &[u32] {
-        &self.fixed
+    pub fn held(&self) -> &[ContactNode] {
+        &self.boundary[self.moving..]
+    }
+
+    /// Laws of the contact nodes together.
+    pub fn laws(&self) -> LawSum {
+        let mut laws = LawSum::default();
+        self.contact().iter().for_each(|contact| laws.add(contact.law, contact.measure));
+        laws
     }
 
     /// Network whose matrix has the lumped mass matrix, times `weight`, added.
@@ -296,14 +289,24 @@ impl Network {
         network
     }
 
-    /// Condition at a node.
+    /// Position of a node in [`Network::boundary`]; none inside and on a free part of the boundary.
     #[inline(always)]
-    pub fn condition(&self, node: usize) -> NodeCondition {
-        match self.places[node] {
-            INNER => NodeCondition::Inner,
-            FIXED => NodeCondition::Fixed,
-            place => NodeCondition::Contact(place as usize),
-        }
+    pub fn place(&self, node: usize) -> Option<usize> {
+        let place = self.places[node];
+        (place != INNER).then_some(place as usize)
+    }
+
+    /// A node with its law: a free one inside.
+    pub fn at(&self, node: usize) -> ContactNode {
+        let inner = ContactNode { node, measure: 0.0, law: Law::FREE };
+        self.place(node).map_or(inner, |place| self.boundary[place])
+    }
+
+    /// Node of the boundary vector, with its place there; none elsewhere.
+    #[inline(always)]
+    pub fn contact_at(&self, node: usize) -> Option<(usize, ContactNode)> {
+        let place = self.place(node).filter(|place| *place < self.moving)?;
+        Some((place, self.boundary[place]))
     }
 
     /// Diagonal of the stiffness matrix.
@@ -340,7 +343,7 @@ impl Network {
         Row { others: &self.others[range.clone()], weights: &self.weights[range] }
     }
 
-    /// One Gauss-Seidel sweep in the order of the nodes. Values at inner nodes solve their equation, those at fixed
+    /// One Gauss-Seidel sweep in the order of the nodes. Values at inner nodes solve their equation, those at held
     /// nodes become zero; `at_contact` gives the value of the contact node in this position from its row.
     #[inline(always)]
     pub(crate) fn sweep(
@@ -352,13 +355,13 @@ impl Network {
         for node in 0..self.nodes() {
             let sum = self.row(node).add_to(load[node], y);
             let diagonal = self.diagonal[node];
-            y[node] = match self.condition(node) {
-                NodeCondition::Inner => sum / diagonal,
-                NodeCondition::Fixed => 0.0,
-                NodeCondition::Contact(b) => {
-                    let measure = self.contact[b].measure;
-                    at_contact(b, ContactRow { sum, diagonal, measure })
+            y[node] = match self.place(node) {
+                None => sum / diagonal,
+                Some(place) if place < self.moving => {
+                    let ContactNode { measure, law, .. } = self.boundary[place];
+                    at_contact(place, ContactRow { sum, diagonal, measure, law })
                 }
+                Some(_) => 0.0,
             };
         }
     }
@@ -374,6 +377,23 @@ impl Network {
     #[inline(always)]
     pub fn gradient_at(&self, node: usize, y: &[f64], load: &[f64]) -> f64 {
         self.diagonal[node] * y[node] - self.row(node).add_to(load[node], y)
+    }
+
+    /// Natural residual of a vector whose gradient of the energy is known: the largest of `|A y - F|`, that of these laws
+    /// of the contact nodes, and of values at held nodes.
+    pub(crate) fn natural_residual(
+        &self,
+        laws: &[Law],
+        y: &[f64],
+        gradient: impl Fn(usize) -> f64,
+    ) -> f64 {
+        let mut largest = 0.0;
+        for node in 0..self.nodes() {
+            let ContactNode { measure, law, .. } = self.at(node);
+            let law = self.place(node).and_then(|place| laws.get(place)).unwrap_or(&law);
+            largest = max_or_nan(largest, law.residual(y[node], gradient(node), measure));
+        }
+        largest
     }
 
     /// Energy `1/2 <A y, y> - <F, y>`, without the law's term.

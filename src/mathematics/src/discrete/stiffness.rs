@@ -5,7 +5,7 @@
 
 use super::network::{Coupling, Network};
 use crate::discrete::grid::Grid;
-use crate::problem::law::ContactNode;
+use crate::problem::law::{ContactNode, Law};
 
 /// Writes row `j` of `A y - load` to `out`, of length `grid.side()`.
 ///
@@ -60,8 +60,8 @@ pub(crate) fn add_energy(sum: f64, y: &[f64], gradient: &[f64], load: &[f64]) ->
 impl Network {
     /// Network of the five-point matrix of the square: the paper's triangulation, with nodes and boundary nodes in the
     /// order of [`Grid`].
-    pub fn of_square(grid: Grid) -> Self {
-        Self::uniform(grid.cells(), grid.contact_nodes())
+    pub fn of_square(grid: Grid, law: Law) -> Self {
+        Self::uniform(grid.cells(), grid.contact_nodes(law))
     }
 
     /// Network of the five-point matrix with `n` cells per side, with all boundary nodes in contact. Their measures are
@@ -72,10 +72,11 @@ impl Network {
         for (node, entry) in network.diagonal().iter().enumerate() {
             let share = entry / 4.0;
             if share < 1.0 {
-                contact.push(ContactNode { node, measure: 2.0 * share * sides(share) });
+                let measure = 2.0 * share * sides(share);
+                contact.push(ContactNode { node, measure, law: Law::SIGNORINI });
             }
         }
-        network.set_contact(contact);
+        network.set_boundary(contact);
         network
     }
 
@@ -99,7 +100,7 @@ impl Network {
                 }
             }
         }
-        Self::new(&couplings, contact, Vec::new(), masses)
+        Self::new(&couplings, contact, masses)
     }
 }
 
@@ -162,7 +163,7 @@ mod tests {
 
     #[test]
     fn rows_of_the_square_are_those_of_the_paper() {
-        let network = Network::of_square(Grid::new(4).unwrap());
+        let network = Network::of_square(Grid::new(4).unwrap(), Law::SIGNORINI);
         let row = |node: usize| {
             let Row { others, weights } = network.row(node);
             (network.diagonal()[node], others.to_vec(), weights.to_vec())

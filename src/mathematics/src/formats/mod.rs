@@ -115,7 +115,7 @@ impl<'a> SolutionFields<'a> {
             None => levels.means(usize::MAX).expect("f is known on the finest mesh"),
         };
         let multiplier = problem.at_nodes(&pair.a, 0.0);
-        let errors = levels.local_errors(problem.law(), &pair.y);
+        let errors = levels.local_errors(&pair.y);
         Self { multiplier, f, errors, ..values }
     }
 

@@ -6,7 +6,8 @@
 
 use super::grid;
 use super::variant::{ResidualTime, Variant};
-use crate::discrete::network::{Network, NodeCondition};
+use crate::discrete::network::Network;
+use crate::problem::law::Law;
 use crate::saddle::batch::Order;
 
 /// Iterations on the coarsest grid after which no run is asked for those near it: the bounds grow with each.
@@ -21,7 +22,7 @@ pub(super) fn greatest_moves(
     iterations: usize,
 ) -> Vec<f64> {
     let grid = grid(0);
-    let network = &Network::of_square(grid);
+    let network = &Network::of_square(grid, Law::SIGNORINI);
     let load = (0..grid.nodes()).map(|node| basis.iter().map(|piece| piece[node].abs()).sum());
     let mut corner = vec![1.0; grid.nodes()];
     for (b, node) in grid.boundary().enumerate() {
@@ -46,7 +47,7 @@ pub(super) fn greatest_moves(
 fn order(network: &Network, order: Order) -> Vec<usize> {
     let nodes = 0..network.nodes();
     let (inner, boundary): (Vec<_>, Vec<_>) =
-        nodes.clone().partition(|&node| network.condition(node) == NodeCondition::Inner);
+        nodes.clone().partition(|&node| network.place(node).is_none());
     match order {
         Order::Lexicographic => nodes.collect(),
         Order::BoundaryFirst => [boundary, inner].concat(),
@@ -87,7 +88,7 @@ impl Moves<'_> {
         let sum = self.network.row(node).add_to(self.load[node], &self.y);
         let diagonal = self.network.diagonal()[node];
         self.y[node] = sum / diagonal;
-        if let NodeCondition::Contact(b) = self.network.condition(node) {
+        if let Some(b) = self.network.place(node) {
             let (h, r) = (self.weights[node], self.r);
             let a = self.a[b];
             self.y[node] += h * a / (diagonal + h * r);
@@ -99,11 +100,7 @@ impl Moves<'_> {
     fn gradient(&self, node: usize, multiplier: &[f64]) -> f64 {
         let y = self.network.diagonal()[node] * self.y[node];
         let gradient = self.network.row(node).add_to(self.load[node] + y, &self.y);
-        match self.network.condition(node) {
-            NodeCondition::Contact(b) => {
-                gradient + self.weights[node] * (multiplier[b] + self.r * self.y[node])
-            }
-            _ => gradient,
-        }
+        let pull = |b: usize| self.weights[node] * (multiplier[b] + self.r * self.y[node]);
+        self.network.place(node).map_or(gradient, |b| gradient + pull(b))
     }
 }

@@ -6,7 +6,6 @@ use crate::discrete::nested::NestedNetwork;
 use crate::mesh::{
     NestedMeshes, PlaneMesh, Sides, assemble_sides, bisect, label_longest_edges, mesh_load, quarter,
 };
-use crate::problem::law::Law;
 
 impl Problem {
     /// Problem on the meshes of a run that marked these cells for its bisections, one list for each, with f as text; an
@@ -21,7 +20,6 @@ impl Problem {
         coarsest: &PlaneMesh,
         marks: &[Vec<u32>],
         f: &str,
-        law: Law,
     ) -> Result<Self, ProblemError> {
         let (f, text) = (read(coarsest, f)?, f);
         let mut mesh = coarsest.clone();
@@ -43,6 +41,6 @@ impl Problem {
         let is_curved = coarsest.parts().iter().any(|part| part.curve.is_some());
         let nested = NestedMeshes { meshes, networks, sides };
         let levels = Triangulations::of(nested, (f, text), load);
-        Ok(Self::checked(levels, law, is_curved))
+        Ok(Self::checked(levels, is_curved))
     }
 }

@@ -26,6 +26,8 @@ pub struct Lattices {
     f: Source,
     /// Quadrature of the load vector.
     rule: LoadRule,
+    /// Law on the boundary.
+    law: Law,
     facts: Facts,
     /// Load vector of the finest grid, once it is needed.
     load: OnceLock<Vec<f64>>,
@@ -45,7 +47,7 @@ impl Lattices {
     ///
     /// # Panics
     /// If there are no grids.
-    pub fn new(grids: Vec<Grid>, f: Source, rule: LoadRule) -> Self {
+    pub fn new(grids: Vec<Grid>, f: Source, rule: LoadRule, law: Law) -> Self {
         assert!(!grids.is_empty(), "at least one grid");
         let [integral, size] = integrals(&f);
         let facts = Facts {
@@ -61,7 +63,7 @@ impl Lattices {
             is_adapted: false,
         };
         let (load, missed) = (OnceLock::new(), OnceLock::new());
-        Self { grids, f, rule, facts, load, missed }
+        Self { grids, f, rule, law, facts, load, missed }
     }
 
     /// Grids, coarsest first.
@@ -82,6 +84,11 @@ impl Lattices {
     /// Quadrature of the load vector.
     pub fn rule(&self) -> LoadRule {
         self.rule
+    }
+
+    /// Law on the boundary.
+    pub fn law(&self) -> Law {
+        self.law
     }
 
     /// Part of the integral of |f| by which the load vector moves jumps of f; none if it is too small to matter.
@@ -105,8 +112,8 @@ impl Lattices {
     ///
     /// # Errors
     /// [`NoBound`] if there is none.
-    pub(crate) fn recovery(&self, law: Law, y: &[f64]) -> Result<Vec<f64>, NoBound> {
-        Ok(recovery(self.finest(), &self.f, law, y)?.0)
+    pub(crate) fn recovery(&self, y: &[f64]) -> Result<Vec<f64>, NoBound> {
+        Ok(recovery(self.finest(), &self.f, self.law, y)?.0)
     }
 
     /// Picture with so many cells across at most.
@@ -133,7 +140,7 @@ impl Levels for Lattices {
     }
 
     fn boundary(&self) -> Vec<ClosedCurve> {
-        vec![square_boundary(self.finest())]
+        vec![square_boundary(self.finest(), self.law)]
     }
 
     fn drawing(&self, most_cells: usize) -> Option<Drawing> {
@@ -170,14 +177,18 @@ impl Levels for Lattices {
     }
 
     fn components(&self) -> Vec<Component> {
-        vec![Component::in_contact(Grid::PERIMETER, self.facts.integral)]
+        vec![Component::whole(self.law, Grid::PERIMETER, self.facts.integral)]
     }
 
-    fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound> {
-        bounds(self.finest(), &self.f, law, y)
+    fn laws(&self) -> Vec<(String, Law)> {
+        vec![(String::new(), self.law)]
     }
 
-    fn local_errors(&self, _: Law, _: &[f64]) -> Vec<f64> {
+    fn bounds(&self, y: &[f64]) -> Result<Bounds, NoBound> {
+        bounds(self.finest(), &self.f, self.law, y)
+    }
+
+    fn local_errors(&self, _: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 }
@@ -205,8 +216,8 @@ mod tests {
 
     #[test]
     fn the_nodes_of_a_drawing_have_their_values() {
-        let grid = Grid::new(70).unwrap();
-        let lattices = Lattices::new(vec![grid], Source::constant(-1.0), LoadRule::default());
+        let (grid, f) = (Grid::new(70).unwrap(), Source::constant(-1.0));
+        let lattices = Lattices::new(vec![grid], f, LoadRule::default(), Law::SIGNORINI);
         let Drawing { mesh, nodes } = lattices.drawing(20).unwrap();
         for (node, &[px, py]) in nodes.into_iter().zip(mesh.points()) {
             assert_eq!([px, py], [grid.coordinate(node % 71), grid.coordinate(node / 71)]);

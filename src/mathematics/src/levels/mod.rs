@@ -1,4 +1,4 @@
-//! Problems: a domain with f, a law and the conditions on the parts of the boundary, and its nested discrete problems.
+//! Problems: a domain with f and the laws on the parts of its boundary, and its nested discrete problems.
 //!
 //! Central is [`Problem`], which is checked once, when it is made. What is particular to a kind of domain, its geometry
 //! and its load, is the trait [`Levels`], with two implementors: [`Lattices`], the paper's grids of the square, without
@@ -72,14 +72,18 @@ pub trait Levels: Send + Sync {
         self.components()
     }
 
-    /// Guaranteed bounds for a nodal vector of the finest level under a law.
+    /// Names of the parts of the boundary that are neither free nor fixed, with their laws; on the square one part
+    /// without a name.
+    fn laws(&self) -> Vec<(String, Law)>;
+
+    /// Guaranteed bounds for a nodal vector of the finest level.
     ///
     /// # Errors
     /// [`NoBound`].
-    fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound>;
+    fn bounds(&self, y: &[f64]) -> Result<Bounds, NoBound>;
 
     /// Guaranteed error of a nodal vector in each cell of the finest mesh; empty on the square, and without a bound.
-    fn local_errors(&self, law: Law, y: &[f64]) -> Vec<f64>;
+    fn local_errors(&self, y: &[f64]) -> Vec<f64>;
 }
 
 /// Facts on nested discrete problems.
@@ -129,7 +133,7 @@ impl<'a> Discrete<'a> {
     /// Grid or network of a level.
     pub fn level(self, level: usize) -> DiscreteDomain<'a> {
         match self {
-            Self::Lattices(lattices) => lattices.grids()[level].into(),
+            Self::Lattices(lattices) => (lattices.grids()[level], lattices.law()).into(),
             Self::Networks(networks) => (&networks[level].network).into(),
         }
     }

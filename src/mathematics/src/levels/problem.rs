@@ -18,12 +18,11 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-/// Domain with f, the conditions on the parts of its boundary and the law where it is in contact, and its nested
-/// discrete problems. The flux can balance f: it has a unique solution.
+/// Domain with f and the laws on the parts of its boundary, and its nested discrete problems. The flux can balance f: it
+/// has a unique solution.
 #[derive(Clone)]
 pub struct Problem {
     levels: Arc<dyn Levels>,
-    law: Law,
     /// True if the boundary is curved, and the finest mesh a polygon or polyhedron instead.
     is_curved: bool,
     /// Reason for which the domain with its curves has no solution, if it has none, once it is asked for.
@@ -64,26 +63,21 @@ impl Problem {
         rule: LoadRule,
         law: Law,
     ) -> Result<Self, ProblemError> {
-        let lattices = Lattices::new(grids, f, rule);
+        let lattices = Lattices::new(grids, f, rule, law);
         let (integral, size) = (lattices.facts().integral, lattices.facts().size);
         lattices.source().check_scale(size)?;
         if integral.is_nan() {
             return Err(ProblemError::NotFinite);
         }
-        Self::new(lattices, law, false)
+        Self::new(lattices, false)
     }
 
     /// Problem on a mesh and its refinements, `times` of them, with f given as text.
     ///
     /// # Errors
     /// [`ProblemError`].
-    pub fn on_mesh(
-        coarsest: &AnyMesh,
-        times: usize,
-        f: &str,
-        law: Law,
-    ) -> Result<Self, ProblemError> {
-        Self::on_mesh_watched((coarsest, times), f, law, &|_| ())
+    pub fn on_mesh(coarsest: &AnyMesh, times: usize, f: &str) -> Result<Self, ProblemError> {
+        Self::on_mesh_watched((coarsest, times), f, &|_| ())
     }
 
     /// As [`Problem::on_mesh`]; `watch` is told when the meshes are made, and when f is integrated on them.
@@ -93,16 +87,15 @@ impl Problem {
     pub fn on_mesh_watched(
         (coarsest, times): (&AnyMesh, usize),
         f: &str,
-        law: Law,
         watch: Watch<'_>,
     ) -> Result<Self, ProblemError> {
         let is_curved = coarsest.is_curved();
         let made = match coarsest {
             AnyMesh::Plane(mesh) => {
-                Self::new(Triangulations::new(mesh, times, f, watch)?, law, is_curved)
+                Self::new(Triangulations::new(mesh, times, f, watch)?, is_curved)
             }
             AnyMesh::Space(mesh) => {
-                Self::new(Triangulations::new(mesh, times, f, watch)?, law, is_curved)
+                Self::new(Triangulations::new(mesh, times, f, watch)?, is_curved)
             }
         };
         watch(Step::Load);
@@ -111,10 +104,10 @@ impl Problem {
 
     /// Problem on these levels if the flux can balance f over each connected component, by more than the rounding
     /// errors of integrals.
-    fn new(levels: impl Levels + 'static, law: Law, is_curved: bool) -> Result<Self, ProblemError> {
+    fn new(levels: impl Levels + 'static, is_curved: bool) -> Result<Self, ProblemError> {
         let rounding = levels.facts().rounding();
-        let checked = levels.components().into_iter().try_for_each(|of| of.check(law, rounding));
-        let problem = Self::checked(levels, law, is_curved);
+        let checked = levels.components().into_iter().try_for_each(|of| of.check(rounding));
+        let problem = Self::checked(levels, is_curved);
         match checked {
             Ok(()) => Ok(problem),
             Err(reason) if is_curved && problem.refusal_of_curves().is_none() => {
@@ -125,8 +118,8 @@ impl Problem {
     }
 
     /// As [`Problem::new`], of a flux that is known to balance f.
-    pub(crate) fn checked(levels: impl Levels + 'static, law: Law, is_curved: bool) -> Self {
-        Self { levels: Arc::new(levels), law, is_curved, refusal_of_curves: OnceLock::new() }
+    pub(crate) fn checked(levels: impl Levels + 'static, is_curved: bool) -> Self {
+        Self { levels: Arc::new(levels), is_curved, refusal_of_curves: OnceLock::new() }
     }
 
     /// Reason for which the domain has no solution with the curves of its boundary in place of the facets of the finest
@@ -137,7 +130,7 @@ impl Problem {
         }
         *self.refusal_of_curves.get_or_init(|| {
             let components = self.levels.components_on_curves();
-            components.into_iter().find_map(|component| component.check(self.law, 0.0).err())
+            components.into_iter().find_map(|component| component.check(0.0).err())
         })
     }
 
@@ -155,9 +148,21 @@ impl Problem {
         &*self.levels
     }
 
-    /// Law where the boundary is in contact.
-    pub fn law(&self) -> Law {
-        self.law
+    /// The law, if it is the same wherever the boundary is neither free nor fixed; the paper's if that is nowhere.
+    pub fn law(&self) -> Option<Law> {
+        Law::only(&self.levels.laws())
+    }
+
+    /// The laws, in words: the law, or that of each part that is neither free nor fixed.
+    pub fn laws_in_words(&self) -> String {
+        let of_part = |(part, law): (String, Law)| format!("{law} on {part}");
+        let laws = self.levels.laws().into_iter().map(of_part);
+        self.law().map_or_else(|| laws.collect::<Vec<_>>().join(", "), |law| law.to_string())
+    }
+
+    /// True if the only law is the paper's.
+    pub fn is_signorini(&self) -> bool {
+        self.law() == Some(Law::SIGNORINI)
     }
 
     /// Number of levels, at least one.
@@ -216,8 +221,9 @@ impl Problem {
     /// Components of the gradient (8) at the nodes of the finest grid of the square, for this duality parameter; none
     /// on a mesh.
     pub fn gradient(&self, r: f64, pair: &Pair) -> Option<Vec<f64>> {
-        let network = Network::of_square(self.lattices()?.finest());
-        let functional = Plain { network: &network, law: self.law, load: self.load(), r };
+        let lattices = self.lattices()?;
+        let network = Network::of_square(lattices.finest(), lattices.law());
+        let functional = Plain { network: &network, load: self.load(), r };
         Some((0..pair.y.len()).map(|node| functional.gradient(node, pair)).collect())
     }
 
@@ -236,19 +242,19 @@ impl Problem {
 
     /// Judges a nodal vector of a level with this load vector.
     pub fn judge_on(&self, level: usize, y: &[f64], load: &[f64]) -> Judgement {
-        judge(self.domain(level), self.law, y, load)
+        judge(self.domain(level), y, load)
     }
 
     /// True if the flux can balance the load vector of the finest level: then the discrete problem has a solution.
     pub(crate) fn is_solvable(&self) -> bool {
-        has_solution(self.domain(self.finest()), self.law, self.load())
+        has_solution(self.domain(self.finest()), self.load())
     }
 
     /// Problem with the same f and law on one grid of the square with so many cells per side; none on a mesh.
     pub(crate) fn on_grid(&self, cells: usize) -> Option<Result<Self, ProblemError>> {
         let (lattices, grid) = (self.lattices()?, Grid::new(cells).ok()?);
         let (f, rule) = (lattices.source().clone(), lattices.rule());
-        Some(Self::on_square(vec![grid], f, rule, self.law))
+        Some(Self::on_square(vec![grid], f, rule, lattices.law()))
     }
 
     /// Line that the load vector of the square moves jumps of f, where that matters; the load of meshes moves none.
@@ -267,7 +273,7 @@ impl Problem {
     /// [`NoBound`].
     pub fn bounds(&self, y: &[f64]) -> Result<Bounds, NoBound> {
         check_missed(self.levels.missed())?;
-        self.levels.bounds(self.law, y)
+        self.levels.bounds(y)
     }
 
     /// Approximations that the bounds leave out.

@@ -7,7 +7,7 @@ use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::mesh::{
-    AnyMesh, ClosedCurve, Condition, CurveGain, CutShape, Mesh, MeshLoad, NestedMeshes, Sides,
+    AnyMesh, ClosedCurve, CurveGain, CutShape, Mesh, MeshLoad, NestedMeshes, Sides,
     boundary_curves, curve_gains, mesh_load, nested_meshes, on_regions,
 };
 use crate::problem::error::SourceError;
@@ -37,7 +37,6 @@ pub(crate) struct Triangulations<const D: usize, const V: usize> {
 
 /// Guaranteed error of a nodal vector in each cell.
 pub(crate) struct VectorErrors {
-    pub law: Law,
     pub y: Vec<f64>,
     pub of_cells: Vec<f64>,
 }
@@ -103,9 +102,9 @@ where
     }
 
     /// Guaranteed errors of a nodal vector in each cell, if they were asked for last.
-    fn known_errors(&self, law: Law, y: &[f64]) -> Option<Vec<f64>> {
+    fn known_errors(&self, y: &[f64]) -> Option<Vec<f64>> {
         let errors = self.errors.lock().expect("no panic before");
-        let errors = errors.as_ref().filter(|errors| errors.law == law && errors.y == y);
+        let errors = errors.as_ref().filter(|errors| errors.y == y);
         errors.map(|errors| errors.of_cells.clone())
     }
 
@@ -206,27 +205,29 @@ where
             let facet = &self.finest().facets()[facet];
             let component = &mut components[of_nodes[facet.nodes[0] as usize] as usize];
             component.integral += integral;
-            if self.finest().condition(facet) == Condition::Contact {
-                component.measure += measure;
-            }
+            component.laws.add(self.finest().law(facet), measure);
         }
         components
     }
 
-    fn bounds(&self, law: Law, y: &[f64]) -> Result<Bounds, NoBound> {
+    fn laws(&self) -> Vec<(String, Law)> {
+        self.finest().laws()
+    }
+
+    fn bounds(&self, y: &[f64]) -> Result<Bounds, NoBound> {
         let (mesh, sides) = (self.finest(), &self.sides);
         let (network, f) = (self.network(), &self.load);
-        let bounded = BoundedProblem { mesh, sides, network, f, law };
+        let bounded = BoundedProblem { mesh, sides, network, f };
         let found = bounded.bounds(y)?;
-        let errors = VectorErrors { law, y: y.to_vec(), of_cells: found.errors() };
+        let errors = VectorErrors { y: y.to_vec(), of_cells: found.errors() };
         *self.errors.lock().expect("no panic before") = Some(errors);
         Ok(bounded.with_lower(found.bounds, y))
     }
 
-    fn local_errors(&self, law: Law, y: &[f64]) -> Vec<f64> {
-        self.known_errors(law, y).unwrap_or_else(|| {
+    fn local_errors(&self, y: &[f64]) -> Vec<f64> {
+        self.known_errors(y).unwrap_or_else(|| {
             // The bounds leave the errors behind.
-            self.bounds(law, y).ok().and_then(|_| self.known_errors(law, y)).unwrap_or_default()
+            self.bounds(y).ok().and_then(|_| self.known_errors(y)).unwrap_or_default()
         })
     }
 }

@@ -11,7 +11,7 @@ use crate::saddle::Pair;
 impl Problem {
     /// Contact at the nodes of a boundary vector, as [`Pair::in_contact`] has it.
     pub fn in_contact(&self, pair: &Pair) -> Vec<bool> {
-        pair.in_contact(self.domain(self.finest()), self.law())
+        pair.in_contact(self.domain(self.finest()))
     }
 
     /// Arcs in contact on the boundary of a domain in the plane, for a nodal vector and its judgement; none in space.

@@ -192,14 +192,15 @@ mod tests {
         compare(|| {
             let grid = Grid::new(11).expect("fine enough");
             let f = sources().next().expect("one");
-            let (load, start) = (load(grid, &f, LoadRule::Bilinear {}), Pair::zero(grid));
+            let (load, start) =
+                (load(grid, &f, LoadRule::Bilinear {}), Pair::zero((grid, Law::SIGNORINI)));
             let uzawa = Method::Uzawa { weight: 1.0, inner: 1e-5, loose: false };
             let mut lanes: Lanes = Lanes::new(grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
             for lane in 0..LANES {
                 let method = if lane % 2 == 0 { Method::ArrowHurwicz } else { uzawa };
                 let r = 0.3 * (1 + lane * lane * lane) as f64;
                 let run = RunStart { load: &load, method, r, pair: &start };
-                lanes.enter(lane, Law::SIGNORINI, &run);
+                lanes.enter(lane, &run);
             }
             let mut seen = Vec::new();
             for _ in 0..50 {

@@ -1,7 +1,8 @@
 //! A mesh of either dimension.
 
 use super::refine;
-use super::{BUILT_IN, BuiltIn, Condition, Mesh, MeshError, Names, PlaneMesh, Round, SpaceMesh};
+use super::{BUILT_IN, BuiltIn, Mesh, MeshError, Names, PlaneMesh, Round, SpaceMesh};
+use crate::problem::law::Law;
 use std::any::Any;
 
 /// Mesh in the plane or in space.
@@ -170,12 +171,18 @@ impl AnyMesh {
         either!(self, mesh => (mesh.parts.len() > 1).then(|| mesh.parts_of(marked)))
     }
 
-    /// Sets the condition on the facets of this name.
+    /// The mesh with this law on all parts that are neither free nor fixed.
+    #[must_use]
+    pub fn with_law(self, law: Law) -> Self {
+        either!(self, mesh => mesh.with_law(law).into())
+    }
+
+    /// Sets the law on the facets of this name.
     ///
     /// # Errors
-    /// A sentence if no facets of the boundary have this name, or some have another condition than contact already.
-    pub fn set_condition(&mut self, name: &str, condition: Condition) -> Result<(), String> {
-        either!(self, mesh => mesh.set_condition(name, condition))
+    /// A sentence if no facets of the boundary have this name, or some are free or fixed already.
+    pub fn set_law(&mut self, name: &str, law: Law) -> Result<(), String> {
+        either!(self, mesh => mesh.set_law(name, law))
     }
 
     /// Puts a part of the boundary, and its nodes, on a circle, sphere or cylinder, given by its numbers: the centre
@@ -249,16 +256,16 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         part.is_some_and(|part| self.parts.iter().any(|own| own.names.contains(part)))
     }
 
-    fn set_condition(&mut self, name: &str, condition: Condition) -> Result<(), String> {
-        for part in self.parts_named(name, "no condition holds")? {
+    fn set_law(&mut self, name: &str, law: Law) -> Result<(), String> {
+        for part in self.parts_named(name, "no law holds")? {
             let part = &mut self.parts[part];
-            if part.condition != Condition::Contact && part.condition != condition {
+            if part.law != Law::SIGNORINI && part.law != law {
                 let names = &part.names;
                 return Err(format!(
                     "facets named {names} would be free and fixed; choose one of the two"
                 ));
             }
-            part.condition = condition;
+            part.law = law;
         }
         Ok(())
     }

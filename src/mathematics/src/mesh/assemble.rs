@@ -1,15 +1,16 @@
 //! The discrete problem of a triangulation: stiffness matrix (5) as couplings, load vector (6), parts of the boundary.
 
 use super::geometry::measure;
-use super::{Condition, Edges, Element, Mesh, Sides};
+use super::{Edges, Element, Mesh, Sides};
 use crate::discrete::network::{Coupling, Network};
-use crate::problem::law::ContactNode;
+use crate::problem::law::{ContactNode, Law, LawSum};
+use std::collections::BTreeMap;
 
 /// Coupling over the least diagonal of its nodes below which it is the rounding error of a right angle.
 const RIGHT_ANGLE: f64 = 1e-14;
 
 /// Returns the discrete problem for linear elements. Contact nodes are in the order of their numbers; a node where
-/// parts meet is fixed if one of them is, else in contact if one of them is.
+/// parts meet has the sum of their laws: it is fixed if one of them is, else in contact if one of them is.
 ///
 /// # Panics
 /// If there are more couplings than 32 bits number.
@@ -78,33 +79,17 @@ fn network_of<const D: usize, const V: usize>(
             couplings.push(Coupling { nodes, weight });
         }
     }
-    let (contact, fixed) = boundary_nodes(mesh);
-    Network::new(&couplings, contact, fixed, masses)
+    Network::new(&couplings, boundary_nodes(mesh), masses)
 }
 
-/// Returns the nodes in contact with their measures, and the fixed nodes.
-fn boundary_nodes<const D: usize, const V: usize>(
-    mesh: &Mesh<D, V>,
-) -> (Vec<ContactNode>, Vec<u32>) {
-    let mut measures = vec![0.0; mesh.points.len()];
-    let mut is_fixed = vec![false; mesh.points.len()];
-    for facet in &mesh.facets {
-        match mesh.condition(facet) {
-            Condition::Free => (),
-            Condition::Fixed => facet.nodes.iter().for_each(|&node| is_fixed[node as usize] = true),
-            Condition::Contact => {
-                let share = measure(mesh.corners(facet)) / D as f64;
-                facet.nodes.iter().for_each(|&node| measures[node as usize] += share);
-            }
+/// Returns the nodes with a law, in the order of their numbers: each has the sum of the laws of its facets.
+fn boundary_nodes<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Vec<ContactNode> {
+    let mut sums: BTreeMap<u32, LawSum> = BTreeMap::new();
+    for facet in mesh.facets.iter().filter(|facet| mesh.law(facet) != Law::FREE) {
+        let share = measure(mesh.corners(facet)) / D as f64;
+        for node in facet.nodes {
+            sums.entry(node).or_default().add(mesh.law(facet), share);
         }
     }
-    let (mut contact, mut fixed) = (Vec::new(), Vec::new());
-    for (node, measure) in measures.into_iter().enumerate() {
-        if is_fixed[node] {
-            fixed.push(node as u32);
-        } else if measure > 0.0 {
-            contact.push(ContactNode { node, measure });
-        }
-    }
-    (contact, fixed)
+    sums.into_iter().map(|(node, laws)| laws.at_node(node as usize)).collect()
 }

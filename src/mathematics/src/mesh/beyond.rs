@@ -138,7 +138,7 @@ mod tests {
         {
             let mesh = domain.plane().unwrap();
             let gains = curve_gains(&mesh, &Sides::new(&mesh), &Source::<2>::constant(1.0));
-            let [mut integral, mut boundary] = [mesh.volume(), assemble(&mesh).perimeter()];
+            let [mut integral, mut boundary] = [mesh.volume(), assemble(&mesh).laws().measure];
             gains.iter().for_each(|gain| integral += gain.integral);
             gains.iter().for_each(|gain| boundary += gain.measure);
             assert!((integral / area - 1.0).abs() < 1e-3, "{domain:?} {integral} {area}");

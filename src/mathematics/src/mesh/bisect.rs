@@ -383,9 +383,8 @@ fn check_orientation(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{
-        AnyMesh, BuiltIn, Condition, Element, MeshData, Round, assemble, assemble_sides, gmsh,
-    };
+    use crate::mesh::{AnyMesh, BuiltIn, Element, MeshData, Round, assemble, assemble_sides, gmsh};
+    use crate::problem::law::Law;
 
     /// Numbers of some cells that look random.
     fn some(cells: usize, seed: usize) -> Vec<u32> {
@@ -487,7 +486,7 @@ mod tests {
     #[test]
     fn parts_and_regions_are_inherited_by_position() {
         let mut coarse = gear();
-        coarse.parts[0].condition = Condition::Free;
+        coarse.parts[0].law = Law::FREE;
         let mesh = bisected(coarse.clone(), 4);
         assert_eq!(mesh.parts, coarse.parts);
         for (one, two) in lengths(&coarse).into_iter().zip(lengths(&mesh)) {

@@ -1,10 +1,11 @@
 //! Closed curves of the boundary of a domain in the plane, and contact on them as arcs, with their forces and ends.
 
-use super::{Condition, Names, PlaneMesh};
+use super::{Names, PlaneMesh};
 use crate::discrete::contact::{ContactArc, reach};
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::Judgement;
 use crate::problem::law::ContactNode;
+use crate::problem::law::Law;
 
 /// No node.
 const NONE: usize = usize::MAX;
@@ -16,8 +17,8 @@ pub struct ClosedCurve {
     pub nodes: Vec<usize>,
     /// Coordinates of these nodes.
     pub points: Vec<[f64; 2]>,
-    /// Condition on the edge from each node to the next one, the first after the last.
-    pub conditions: Vec<Condition>,
+    /// Law on the edge from each node to the next one, the first after the last.
+    pub laws: Vec<Law>,
     /// Position in `names` of the part of each of these edges; empty on the square.
     pub parts: Vec<u16>,
     /// Names of the parts of the boundary; none on the square, whose sides have no names.
@@ -58,8 +59,8 @@ impl ClosedCurve {
     }
 }
 
-/// Returns the boundary of the square, from the lower left corner on.
-pub fn square_boundary(grid: Grid) -> ClosedCurve {
+/// Returns the boundary of the square under a law, from the lower left corner on.
+pub fn square_boundary(grid: Grid, law: Law) -> ClosedCurve {
     let numbers = 0..grid.boundary_nodes();
     let point = |b: usize| {
         let (i, j) = grid.boundary_node(b);
@@ -68,7 +69,7 @@ pub fn square_boundary(grid: Grid) -> ClosedCurve {
     ClosedCurve {
         nodes: grid.boundary().collect(),
         points: numbers.clone().map(point).collect(),
-        conditions: vec![Condition::Contact; numbers.len()],
+        laws: vec![law; numbers.len()],
         parts: Vec::new(),
         names: Vec::new(),
         places: numbers.map(|b| b as f64 * grid.h()).collect(),
@@ -79,10 +80,10 @@ pub fn square_boundary(grid: Grid) -> ClosedCurve {
 /// Returns the closed curves of the boundary, from the one with the lowest node on.
 pub(crate) fn boundary_curves(mesh: &PlaneMesh) -> Vec<ClosedCurve> {
     let nodes = mesh.points.len();
-    let (mut after, mut edges) = (vec![NONE; nodes], vec![(Condition::Contact, 0); nodes]);
+    let (mut after, mut edges) = (vec![NONE; nodes], vec![(Law::SIGNORINI, 0); nodes]);
     for facet in &mesh.facets {
         let [from, to] = facet.nodes.map(|node| node as usize);
-        (after[from], edges[from]) = (to, (mesh.condition(facet), facet.part));
+        (after[from], edges[from]) = (to, (mesh.law(facet), facet.part));
     }
     let mut starts: Vec<usize> = (0..nodes).filter(|&node| after[node] != NONE).collect();
     starts.sort_by(|&a, &b| {
@@ -100,10 +101,10 @@ pub(crate) fn boundary_curves(mesh: &PlaneMesh) -> Vec<ClosedCurve> {
             continue;
         }
         let mut places = arc_lengths(mesh, &nodes);
-        let (conditions, parts) = nodes.iter().map(|&node| edges[node]).unzip();
+        let (laws, parts) = nodes.iter().map(|&node| edges[node]).unzip();
         curves.push(ClosedCurve {
             points: nodes.iter().map(|&node| mesh.points[node]).collect(),
-            conditions,
+            laws,
             parts,
             names: mesh.parts.iter().map(|part| part.names.clone()).collect(),
             length: places.pop().unwrap_or_default(),
@@ -234,9 +235,9 @@ impl CurvePlace<'_> {
 
     /// Names of the parts, where the law holds, of the edges after the nodes so many edges further; none on the square.
     fn names(&self, edges: impl IntoIterator<Item = isize>) -> Option<String> {
-        let ClosedCurve { conditions, parts, names, .. } = self.curve.curve;
+        let ClosedCurve { laws, parts, names, .. } = self.curve.curve;
         let edges = edges.into_iter().map(|edges| self.further(edges));
-        let edges = edges.filter(|&edge| conditions[edge] == Condition::Contact);
+        let edges = edges.filter(|&edge| laws[edge].may_move());
         (!names.is_empty()).then(|| Names::all(edges.map(|edge| &names[usize::from(parts[edge])])))
     }
 }
@@ -250,7 +251,7 @@ mod tests {
     fn the_curve_of_a_grid_is_that_of_its_mesh() {
         let grid = Grid::new(8).unwrap();
         let [of_mesh] = &boundary_curves(&uniform_square(grid))[..] else { panic!("one curve") };
-        let of_grid = square_boundary(grid);
+        let of_grid = square_boundary(grid, Law::SIGNORINI);
         assert_eq!((&of_grid.nodes, &of_grid.points), (&of_mesh.nodes, &of_mesh.points));
         assert_eq!((&of_grid.places, of_grid.length), (&of_mesh.places, of_mesh.length));
         assert_eq!((of_grid.label(), of_mesh.label()), (None, Some("boundary".into())));

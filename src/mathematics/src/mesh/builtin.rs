@@ -1,8 +1,9 @@
 //! Domains with a name, as coarse meshes without a file, and uniform meshes of the square and the cube, whose nodes are
 //! in natural order: x runs fastest.
 
-use super::{Condition, Facet, MeshData, Part, PlaneMesh, Round, SpaceMesh};
+use super::{Facet, MeshData, Part, PlaneMesh, Round, SpaceMesh};
 use crate::discrete::grid::Grid;
+use crate::problem::law::Law;
 use std::f64::consts::TAU;
 
 /// Domain with a name.
@@ -82,7 +83,7 @@ fn circle(points: u32, radius: f64, turn: f64) -> impl Iterator<Item = [f64; 2]>
 
 fn round_part<const D: usize>(name: &str, radius: f64) -> Part<D> {
     let curve = Some(Round::sphere([0.0; D], radius));
-    Part { names: name.into(), condition: Condition::Contact, curve }
+    Part { names: name.into(), law: Law::SIGNORINI, curve }
 }
 
 /// Six triangles around the centre.
@@ -244,7 +245,8 @@ mod tests {
     #[test]
     fn the_square_has_the_rows_of_the_five_point_matrix() {
         let grid = Grid::new(8).unwrap();
-        let (general, special) = (assemble(&uniform_square(grid)), Network::of_square(grid));
+        let (general, special) =
+            (assemble(&uniform_square(grid)), Network::of_square(grid, Law::SIGNORINI));
         for node in 0..grid.nodes() {
             let [a, b] = [general.row(node), special.row(node)];
             assert_eq!((a.others, a.weights), (b.others, b.weights));
@@ -302,7 +304,7 @@ mod tests {
             }
             assert_eq!(network.contact().len(), (n + 1).pow(3) - (n - 1).pow(3));
             assert!((network.masses().iter().sum::<f64>() - 1.0).abs() < 1e-14);
-            assert!((network.perimeter() - 6.0).abs() < 1e-13);
+            assert!((network.laws().measure - 6.0).abs() < 1e-13);
         }
     }
 }

@@ -162,7 +162,8 @@ impl Tags {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Condition, Facet, Part};
+    use crate::mesh::{Facet, Part};
+    use crate::problem::law::Law;
 
     /// The unit square: two triangles, the lower edge named `south`; nodes from 11 on, cells from 21 on.
     fn square() -> MeshData<2, 3> {
@@ -177,7 +178,7 @@ mod tests {
     }
 
     fn part<const D: usize>(name: &str) -> Part<D> {
-        Part { names: name.into(), condition: Condition::default(), curve: None }
+        Part { names: name.into(), law: Law::SIGNORINI, curve: None }
     }
 
     fn message<const D: usize, const V: usize>(data: MeshData<D, V>) -> String {

@@ -2,7 +2,8 @@
 
 use super::error::MeshError;
 use super::facet_boxes::FacetBoxes;
-use super::{Condition, Facet, MeshData, Part};
+use super::{Facet, MeshData, Part};
+use crate::problem::law::Law;
 use std::collections::BTreeMap;
 
 /// Facets of the boundary, with what tells how they lie to each other.
@@ -196,7 +197,7 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         if self.parts.iter().any(|part| part.names.contains(NAME)) {
             return Err(MeshError::NameOfDefault(NAME));
         }
-        self.parts.push(Part { names: NAME.into(), condition: Condition::default(), curve: None });
+        self.parts.push(Part { names: NAME.into(), law: Law::SIGNORINI, curve: None });
         Ok((self.parts.len() - 1) as u16)
     }
 }

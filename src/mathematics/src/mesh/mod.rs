@@ -67,25 +67,15 @@ pub use refine::{Refined, refine};
 pub(crate) use sides::{BoundarySide, Neighbour, Sides};
 pub(crate) use source::on_regions;
 
-/// Condition on a part of the boundary.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Condition {
-    /// The law of the problem; in the paper the Signorini condition: v >= 0, dv/dn >= 0, v dv/dn = 0.
-    #[default]
-    Contact,
-    /// dv/dn = 0.
-    Free,
-    /// v = 0.
-    Fixed,
-}
+use crate::problem::law::Law;
 
 /// Named part of the boundary: the facets that have the same names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part<const D: usize> {
     /// Names.
     pub names: Names,
-    /// Condition there.
-    pub condition: Condition,
+    /// Law there.
+    pub law: Law,
     /// Surface on which the part lies, unless it is the polygon or polyhedron itself.
     pub curve: Option<Round<D>>,
 }
@@ -194,10 +184,9 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         &self.facets
     }
 
-    /// Facets where the law of the problem holds.
+    /// Facets that are neither free nor fixed.
     fn facets_with_law(&self) -> impl Iterator<Item = &Facet<D>> {
-        let condition = |facet: &Facet<D>| self.parts[usize::from(facet.part)].condition;
-        self.facets.iter().filter(move |&facet| condition(facet) == Condition::Contact)
+        self.facets.iter().filter(|facet| self.law(facet).may_move())
     }
 
     /// Names of the parts on which nodes lie: of the facets of the law with all of their nodes among those that are
@@ -219,9 +208,23 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         &self.parts
     }
 
-    /// Parts of the boundary, whose conditions and curves may be changed.
+    /// Names of the parts of the boundary that are neither free nor fixed, with their laws.
+    pub fn laws(&self) -> Vec<(String, Law)> {
+        let parts = self.parts.iter().filter(|part| part.law.may_move());
+        parts.map(|part| (part.names.to_string(), part.law)).collect()
+    }
+
+    /// Parts of the boundary, whose laws and curves may be changed.
     pub fn parts_mut(&mut self) -> &mut [Part<D>] {
         &mut self.parts
+    }
+
+    /// The mesh with this law on all parts that are neither free nor fixed.
+    #[must_use]
+    pub fn with_law(mut self, law: Law) -> Self {
+        let parts = self.parts.iter_mut().filter(|part| part.law.may_move());
+        parts.for_each(|part| part.law = law);
+        self
     }
 
     /// Lines to be told of places where the domain touches itself with nodes of both sides.
@@ -242,9 +245,9 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         if D == 2 { self.origin.plane.in_space([x, y]) } else { place }
     }
 
-    /// Condition on a facet.
-    pub fn condition(&self, facet: &Facet<D>) -> Condition {
-        self.parts[facet.part as usize].condition
+    /// Law on a facet.
+    pub fn law(&self, facet: &Facet<D>) -> Law {
+        self.parts[facet.part as usize].law
     }
 
     /// Vertices of a cell.
@@ -273,7 +276,7 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         let is_half = |end: f64| (end.abs() - 0.5).abs() < ROUNDING;
         bounds(&self.points).as_flattened().iter().all(|&end| is_half(end))
             && (self.volume() - 1.0).abs() < ROUNDING
-            && self.parts.iter().all(|part| part.condition == Condition::Contact)
+            && self.parts.iter().all(|part| part.law.may_move())
     }
 
     /// Largest coordinate, without its sign.

@@ -80,7 +80,8 @@ struct Moved {
 
 #[cfg(test)]
 mod tests {
-    use crate::mesh::{Condition, Facet, MeshData, Part, Tags};
+    use crate::mesh::{Facet, MeshData, Part, Tags};
+    use crate::problem::law::Law;
 
     #[test]
     fn triangles_at_one_node_are_two_bodies() {
@@ -88,11 +89,7 @@ mod tests {
             points: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]],
             cells: vec![[0, 1, 2], [0, 3, 4]],
             facets: vec![Facet { nodes: [4, 0], part: 0 }],
-            parts: vec![Part {
-                names: "left".into(),
-                condition: Condition::default(),
-                curve: None,
-            }],
+            parts: vec![Part { names: "left".into(), law: Law::SIGNORINI, curve: None }],
             tags: Tags { nodes: (11..16).collect(), cells: Vec::new() },
             ..MeshData::default()
         };

@@ -8,7 +8,7 @@
 //! M-matrices: convergence is observed, not proved. Where it fails, steps that lower the energy take over, which end.
 //!
 //! # Algorithm
-//! 1. See the problem as one under the law `[0, limit]`, and take all boundary nodes to stick.
+//! 1. See the problem as one under laws `[0, limit]`, and take all boundary nodes to stick.
 //! 2. Solve the linear problem with `y = 0` at the nodes that stick, and the flux `limit` at those that slip down.
 //! 3. Let nodes that stick with a multiplier below zero slip up, those above the limit slip down, and nodes whose value
 //!    has the other sign stick. If the nodes could then not balance the load, shift the solution by the constant
@@ -29,7 +29,7 @@ use super::{InputError, check_length, check_load};
 use crate::discrete::domain::components;
 use crate::discrete::end::{End, Stop};
 use crate::discrete::network::Network;
-use crate::problem::law::{BoundaryState, Law};
+use crate::problem::law::{BoundaryState, Law, OneSided};
 use falling::fall;
 
 /// Cells per side of the finest grid of the square whose matrix and factors are worth their memory: 270 MB.
@@ -55,17 +55,16 @@ const MAX_STEPS: usize = 30;
 /// load.
 pub fn active_set(
     network: &Network,
-    law: Law,
     load: &[f64],
     start: Option<&[f64]>,
 ) -> Result<(Vec<f64>, End), InputError> {
     check_length(network.nodes(), load)?;
     let of_nodes = network.components();
-    check_load(&components(network, &of_nodes, load), law)?;
-    let one_sided = law.one_sided(load);
+    check_load(&components(network, &of_nodes, load))?;
+    let one_sided = OneSided::new(&network.laws(), load)?;
     let load = one_sided.load(load, network.contact());
-    let problem =
-        StateProblem { network, components: &of_nodes, load: &load, limit: one_sided.limit };
+    let laws: Vec<Law> = network.contact().iter().map(|contact| contact.law.one_sided()).collect();
+    let problem = StateProblem { network, components: &of_nodes, load: &load, laws: &laws };
     let direct = Direct::new(network, FactorOrder::MinimumDegree);
     let mut system = StateSystem { problem: &problem, direct, steps: 0 };
     let signed = |y: &[f64]| y.iter().map(|value| one_sided.signed(*value)).collect::<Vec<_>>();
@@ -160,8 +159,8 @@ mod tests {
         let f = "region(a)=0.343176; region(b)=-0.432909";
         let f = on_regions::<3>(f, mesh.region_names(), mesh.extent()).unwrap();
         let (network, load) = (assemble(&mesh), mesh_load(&mesh, &f[..]).unwrap().load);
-        let (y, end) = active_set(&network, Law::SIGNORINI, &load, None).unwrap();
-        let Judgement { energy, kkt, .. } = judge(&network, Law::SIGNORINI, &y, &load);
+        let (y, end) = active_set(&network, &load, None).unwrap();
+        let Judgement { energy, kkt, .. } = judge(&network, &y, &load);
         assert!(
             matches!(end.stop, Stop::Converged | Stop::RoundingFloor),
             "{end:?} {energy} {kkt:?}"

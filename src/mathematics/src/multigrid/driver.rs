@@ -1,8 +1,8 @@
 //! The run of multigrid, one for the grids of the square and for nested networks.
 //!
 //! # Algorithm
-//! 1. Solve without the limit of the law; if the flux then exceeds it somewhere, solve again with it. A start that has
-//!    the limit is solved with it at once.
+//! 1. Solve without the limits of the laws; if the flux then exceeds one somewhere, solve again with them. A start that
+//!    has the limits is solved with them at once.
 //! 2. Each time, solve on the coarsest level, and start each finer level from the one before.
 //! 3. Apply steps on the finest level. After each step:
 //!    1. Stop with `Diverged` if the residual is not finite or has grown by [`DIVERGENCE`].
@@ -27,8 +27,8 @@ const NEAR_FLOOR: f64 = 1e3;
 /// Growth of the natural residual, over its first value or the load, that ends the iteration.
 const DIVERGENCE: f64 = 1e12;
 
-/// Nested levels, coarsest first, with a nodal vector on one of them: a problem under a law `[0, limit]`, whose load is
-/// divided by a power of two. Residuals are natural ones of this load.
+/// Nested levels, coarsest first, with a nodal vector on one of them: a problem under laws `[0, limit]`, whose load
+/// is divided by a power of two. Residuals are natural ones of this load.
 pub(crate) trait Hierarchy {
     /// True if a step computes the residual by a recurrence, which goes on falling where that of the nodal vector does
     /// not.
@@ -37,11 +37,11 @@ pub(crate) trait Hierarchy {
     /// Number of the finest level, from 0.
     fn finest(&self) -> usize;
 
-    /// Sets the loads of all levels, and the limit of the flux in the units of the problem as given.
+    /// Sets the loads of all levels, with the limits of the flux or without.
     ///
     /// # Errors
     /// If the input is wrong, or the flux cannot balance the load.
-    fn set_problem(&mut self, limit: f64) -> Result<LoadScale, InputError>;
+    fn set_problem(&mut self, has_limits: bool) -> Result<LoadScale, InputError>;
 
     /// Solves on the coarsest level. Returns the reason for the end, if this is the finest level as well.
     ///
@@ -52,7 +52,7 @@ pub(crate) trait Hierarchy {
     /// Interpolates the nodal vector from the level before, and smooths; returns the residual.
     ///
     /// # Errors
-    /// If the limit is no limit on this level.
+    /// If a limit is no limit on this level.
     fn refine(&mut self, level: usize) -> Result<f64, InputError>;
 
     /// Improves the nodal vector on a coarser level enough to start the next one.
@@ -66,9 +66,9 @@ pub(crate) trait Hierarchy {
         Ok(None)
     }
 
-    /// True if the start is the solution of a like problem with the limit, so that solving without it first gains
+    /// True if the start is the solution of a like problem with the limits, so that solving without them first gains
     /// nothing.
-    fn starts_with_limit(&self) -> bool {
+    fn starts_with_limits(&self) -> bool {
         false
     }
 
@@ -95,11 +95,11 @@ pub(crate) trait Hierarchy {
     /// Residual that one rounding of the largest value makes on the finest level.
     fn rounding(&mut self) -> f64;
 
-    /// Residual of the nodal vector of the finest level under another limit.
+    /// Residual of the nodal vector of the finest level with the limits or without.
     ///
     /// # Errors
-    /// If the limit is none.
-    fn residual_under(&mut self, limit: f64) -> Result<f64, InputError>;
+    /// If a limit is none.
+    fn residual_under(&mut self, has_limits: bool) -> Result<f64, InputError>;
 
     /// Work so far, in sweeps of the finest level.
     fn work_units(&self) -> f64;
@@ -114,38 +114,37 @@ pub(crate) struct LoadScale {
     pub(crate) largest: f64,
 }
 
-/// Solves the problem of `levels` with this limit of the flux.
+/// Solves the problem of `levels`, whose laws have finite limits or none.
 ///
 /// # Errors
 /// If the input is wrong, or the flux cannot balance the load.
 pub(crate) fn solve(
     levels: &mut impl Hierarchy,
-    limit: f64,
+    has_limits: bool,
     params: &MultigridParams,
 ) -> Result<End, InputError> {
-    let first = if levels.starts_with_limit() { limit } else { f64::INFINITY };
+    let first = has_limits && levels.starts_with_limits();
     let (mut stop, mut iterations) = solve_with(levels, first, params)?;
-    if first > limit && exceeds(levels, limit)? {
-        (stop, iterations) = solve_with(levels, limit, params)?;
+    if has_limits && !first && exceeds(levels)? {
+        (stop, iterations) = solve_with(levels, true, params)?;
     }
     Ok(End { iterations, work_units: levels.work_units(), stop, delta_a: None })
 }
 
-/// True if the flux of the solution without a limit somewhere exceeds this one: otherwise it is the solution with it,
-/// too.
-fn exceeds(levels: &mut impl Hierarchy, limit: f64) -> Result<bool, InputError> {
-    let without = levels.residual_under(f64::INFINITY)?;
-    Ok(levels.residual_under(limit)? > without)
+/// True if the flux of the solution without limits somewhere exceeds one: otherwise it is the solution with them, too.
+fn exceeds(levels: &mut impl Hierarchy) -> Result<bool, InputError> {
+    let without = levels.residual_under(false)?;
+    Ok(levels.residual_under(true)? > without)
 }
 
-/// Solves the problem with this limit, which may be infinite; returns the reason for the end, and the number of steps
-/// on the finest level.
+/// Solves the problem with the limits or without; returns the reason for the end, and the number of steps on the finest
+/// level.
 fn solve_with(
     levels: &mut impl Hierarchy,
-    limit: f64,
+    has_limits: bool,
     params: &MultigridParams,
 ) -> Result<(Stop, usize), InputError> {
-    let load = levels.set_problem(limit)?;
+    let load = levels.set_problem(has_limits)?;
     if levels.finest() == 0 {
         return Ok((levels.solve_coarsest()?, 0));
     }
@@ -278,7 +277,7 @@ mod tests {
         fn finest(&self) -> usize {
             1
         }
-        fn set_problem(&mut self, _limit: f64) -> Result<LoadScale, InputError> {
+        fn set_problem(&mut self, _has_limits: bool) -> Result<LoadScale, InputError> {
             unreachable!()
         }
         fn solve_coarsest(&mut self) -> Result<Stop, InputError> {
@@ -288,7 +287,7 @@ mod tests {
             unreachable!()
         }
         fn settle(&mut self, _level: usize) {}
-        fn residual_under(&mut self, _limit: f64) -> Result<f64, InputError> {
+        fn residual_under(&mut self, _has_limits: bool) -> Result<f64, InputError> {
             unreachable!()
         }
         fn work_units(&self) -> f64 {

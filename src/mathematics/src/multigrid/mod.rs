@@ -6,7 +6,7 @@ pub(crate) mod direct;
 pub(crate) mod driver;
 pub(crate) mod order;
 
-use crate::problem::law::{Law, LawError};
+use crate::problem::law::LawError;
 use crate::problem::unsolvable::{Component, Unsolvable};
 
 /// Goal at which multigrid stops.
@@ -126,12 +126,12 @@ pub(crate) fn check_length(expected: usize, field: &[f64]) -> Result<(), InputEr
 ///
 /// # Errors
 /// [`InputError::NotFinite`] and [`InputError::Unsolvable`].
-pub(crate) fn check_load(components: &[Component], law: Law) -> Result<(), InputError> {
+pub(crate) fn check_load(components: &[Component]) -> Result<(), InputError> {
     if !components.iter().map(|component| component.integral).sum::<f64>().is_finite() {
         return Err(InputError::NotFinite);
     }
     for component in components {
-        component.check(law, 0.0)?;
+        component.check(0.0)?;
     }
     Ok(())
 }

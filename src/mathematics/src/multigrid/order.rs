@@ -214,10 +214,11 @@ mod tests {
     use super::*;
     use crate::discrete::grid::Grid;
     use crate::multigrid::direct::{Direct, FactorOrder};
+    use crate::problem::law::Law;
 
     #[test]
     fn minimum_degree_is_an_order_with_fewer_entries_in_factors() {
-        let network = Network::of_square(Grid::new(64).unwrap());
+        let network = Network::of_square(Grid::new(64).unwrap(), Law::SIGNORINI);
         let mut places = minimum_degree(&network);
         places.sort_unstable();
         assert!(places.iter().zip(0..).all(|(place, number)| *place == number));

@@ -1,6 +1,7 @@
 //! Aggregates: sets of strongly coupled nodes, each of which becomes one node of a coarser level.
 
-use crate::discrete::network::{Network, NodeCondition};
+use crate::discrete::network::Network;
+use crate::problem::law::Law;
 
 /// Aggregates of a network.
 pub(super) struct Aggregates {
@@ -57,10 +58,10 @@ struct Builder<'a> {
 /// Computing 56 (1996) 179-196, with nodes of one kind in an aggregate). A contact node without a strong coupling to
 /// another one, as in a layer of thin cells, makes its aggregate with inner nodes. Fixed nodes are in none.
 pub(super) fn aggregates(network: &Network, strength: &Strength<'_>) -> Aggregates {
-    let kinds = (0..network.nodes()).map(|node| match network.condition(node) {
-        NodeCondition::Inner => Kind::Inner,
-        NodeCondition::Contact(_) => Kind::Contact,
-        NodeCondition::Fixed => Kind::Fixed,
+    let kinds = (0..network.nodes()).map(|node| match network.at(node).law {
+        Law::FREE => Kind::Inner,
+        Law::FIXED => Kind::Fixed,
+        _ => Kind::Contact,
     });
     let mut builder = Builder {
         strength,

@@ -1,22 +1,35 @@
 //! Conjugate gradients on one network, with a set of held nodes that changes.
 
 use super::cycle::Cycle;
-use crate::discrete::network::{ContactRow, Network, NodeCondition};
-use crate::machine::extremes::max_or_nan;
+use crate::discrete::network::{ContactRow, Network};
 use crate::problem::balance::{Balance, ContactValue, place_at_zero};
 use crate::problem::descent::{Bend, Slope};
-use crate::problem::law::{BoundaryState, ContactNode, Law};
+use crate::problem::law::{BoundaryState, Law};
 
-/// Problem under the law `[0, limit]`.
+/// Problem under laws `[0, limit]`.
 pub(super) struct ContactProblem<'a> {
     pub(super) network: &'a Network,
-    pub(super) law: Law,
+    /// Laws of the contact nodes, in the order of the network.
+    pub(super) laws: Vec<Law>,
     /// Number of the connected component of each contact node, in the order of the network.
     pub(super) components: &'a [u32],
     /// True for each component that has a fixed node.
     pub(super) has_fixed: &'a [bool],
-    /// Measure of the boundary of each component that balances the load if it slips down.
+    /// Flux through the boundary of each component that balances the load.
     pub(super) needed: Vec<f64>,
+}
+
+impl ContactProblem<'_> {
+    /// True if values may have both signs.
+    fn has_limits(&self) -> bool {
+        self.laws.iter().any(|law| law.is_bounded())
+    }
+
+    /// Largest flux through the boundary at a contact node.
+    #[inline(always)]
+    fn most(&self, b: usize) -> f64 {
+        self.network.contact()[b].measure * self.laws[b].hi()
+    }
 }
 
 /// Relative difference of energies that rounding errors may make.
@@ -64,7 +77,7 @@ impl<'a> Iterate<'a> {
         let nodes = y.len();
         let zeros = || vec![0.0; nodes];
         let slips_down = vec![false; problem.network.contact().len()];
-        let is_guarded = problem.law.hi().is_finite();
+        let is_guarded = problem.has_limits();
         let mut iterate = Self {
             problem,
             load,
@@ -88,15 +101,14 @@ impl<'a> Iterate<'a> {
 
     /// One Gauss-Seidel sweep: the energy is minimised over one value after the other.
     fn relax(&mut self) {
-        let ContactProblem { network, law, .. } = self.problem;
-        let Self { y, held, slips_down, .. } = self;
-        network.sweep(self.load, y, |b, ContactRow { sum, diagonal, measure }| {
-            let value = law.settle(sum, diagonal, measure);
+        let Self { problem: ContactProblem { network, laws, .. }, y, held, slips_down, .. } = self;
+        network.sweep(self.load, y, |b, ContactRow { sum, diagonal, measure, .. }| {
+            let value = laws[b].settle(sum, diagonal, measure);
             slips_down[b] = value < 0.0;
             held[network.contact()[b].node] = value == 0.0;
             value
         });
-        network.fixed().iter().for_each(|&node| held[node as usize] = true);
+        network.held().iter().for_each(|contact| held[contact.node] = true);
         self.work += self.y.len() as f64;
     }
 
@@ -105,7 +117,7 @@ impl<'a> Iterate<'a> {
     ///
     /// True if there was such a component.
     fn shift_into_contact(&mut self) -> bool {
-        let ContactProblem { network, law, components, has_fixed, .. } = self.problem;
+        let ContactProblem { network, components, has_fixed, .. } = self.problem;
         let mut balances = vec![Balance::default(); has_fixed.len()];
         for (b, (contact, &component)) in network.contact().iter().zip(components).enumerate() {
             let state = if self.held[contact.node] {
@@ -115,7 +127,7 @@ impl<'a> Iterate<'a> {
             } else {
                 BoundaryState::SlipsUp
             };
-            balances[component as usize].see(state, contact.measure);
+            balances[component as usize].see(state, self.problem.most(b));
         }
         let mut is_shifted = false;
         for (component, balance) in balances.iter().enumerate() {
@@ -124,11 +136,11 @@ impl<'a> Iterate<'a> {
                 continue;
             }
             let mut nodes: Vec<ContactValue> = Vec::new();
-            for (&ContactNode { node, measure }, &other) in network.contact().iter().zip(components)
-            {
+            for (b, (contact, &other)) in network.contact().iter().zip(components).enumerate() {
                 if other as usize == component {
-                    let value = self.y[node];
-                    nodes.push(ContactValue { number: node, measure, value, multiplier: 0.0 });
+                    let (most, value) = (self.problem.most(b), self.y[contact.node]);
+                    let number = contact.node;
+                    nodes.push(ContactValue { number, most, value, multiplier: 0.0 });
                 }
             }
             if nodes.is_empty() {
@@ -141,7 +153,7 @@ impl<'a> Iterate<'a> {
             self.held[node] = true;
             is_shifted = true;
         }
-        if is_shifted && law.hi().is_finite() {
+        if is_shifted && self.problem.has_limits() {
             // Values may have changed their sign, or have left zero.
             for (b, contact) in network.contact().iter().enumerate() {
                 let value = self.y[contact.node];
@@ -157,10 +169,8 @@ impl<'a> Iterate<'a> {
         let network = self.problem.network;
         network.gradient(&self.y, self.load, &mut self.residual);
         self.residual.iter_mut().for_each(|residual| *residual = -*residual);
-        for (contact, slips_down) in network.contact().iter().zip(&self.slips_down) {
-            if *slips_down {
-                self.residual[contact.node] += contact.measure * self.problem.law.hi();
-            }
+        for (b, contact) in network.contact().iter().enumerate() {
+            self.residual[contact.node] += self.flux(b);
         }
         self.product = 0.0;
         self.work += self.y.len() as f64;
@@ -169,26 +179,16 @@ impl<'a> Iterate<'a> {
     /// Flux of a contact node that slips down; zero for others.
     #[inline(always)]
     fn flux(&self, b: usize) -> f64 {
-        let measure = self.problem.network.contact()[b].measure;
-        if self.slips_down[b] { measure * self.problem.law.hi() } else { 0.0 }
+        if self.slips_down[b] { self.problem.most(b) } else { 0.0 }
     }
 
-    /// Natural residual: the largest of `|A y - F|` and, over contact nodes, that of the law.
+    /// Natural residual, as [`Network::natural_residual`].
     pub(super) fn natural_residual(&self) -> f64 {
-        let ContactProblem { network, law, .. } = self.problem;
-        let mut largest = 0.0;
-        for (node, &residual) in self.residual.iter().enumerate() {
-            let violation = match network.condition(node) {
-                NodeCondition::Inner => residual.abs(),
-                NodeCondition::Contact(b) => {
-                    let gradient = self.flux(b) - residual;
-                    law.residual(self.y[node], gradient, network.contact()[b].measure)
-                }
-                NodeCondition::Fixed => 0.0,
-            };
-            largest = max_or_nan(largest, violation);
-        }
-        largest
+        let ContactProblem { network, laws, .. } = &self.problem;
+        network.natural_residual(laws, &self.y, |node| {
+            let flux = network.contact_at(node).map_or(0.0, |(b, _)| self.flux(b));
+            flux - self.residual[node]
+        })
     }
 
     /// Residual that one rounding of the largest value makes.
@@ -203,7 +203,7 @@ impl<'a> Iterate<'a> {
     pub(super) fn energy(&self) -> f64 {
         let terms = self.y.iter().zip(self.load).zip(&self.residual);
         let mut twice = terms.map(|((y, load), residual)| y * (load + residual)).sum::<f64>();
-        if self.problem.law.hi().is_finite() {
+        if self.problem.has_limits() {
             for (b, contact) in self.problem.network.contact().iter().enumerate() {
                 twice += self.y[contact.node] * self.flux(b);
             }
@@ -261,12 +261,12 @@ impl<'a> Iterate<'a> {
     /// Goes along the direction to the least energy, where each value that changes its sign bends it, and relaxes every
     /// node: so the energy never grows.
     fn descend(&mut self, slope: Slope) {
-        let ContactProblem { network, law, .. } = self.problem;
+        let network = self.problem.network;
         let mut bends: Vec<Bend> = Vec::new();
-        for contact in network.contact() {
+        for (b, contact) in network.contact().iter().enumerate() {
             let (y, direction) = (self.y[contact.node], self.direction[contact.node]);
             if y * direction < 0.0 {
-                let slope = contact.measure * law.hi() * direction.abs();
+                let slope = self.problem.most(b) * direction.abs();
                 bends.push(Bend { at: -y / direction, slope });
             }
         }
@@ -282,7 +282,7 @@ impl<'a> Iterate<'a> {
     /// Holds the contact nodes whose values have changed their sign, and releases those whose multiplier is outside the
     /// interval of the law; true if there are any.
     fn adapt(&mut self) -> bool {
-        let ContactProblem { network, law, .. } = self.problem;
+        let network = self.problem.network;
         let mut changed = false;
         for (b, contact) in network.contact().iter().enumerate() {
             let node = contact.node;
@@ -301,11 +301,10 @@ impl<'a> Iterate<'a> {
             self.changes < EAGER_CHANGES || self.gain_of_releases() >= RELEASE * self.last_product;
         for (b, contact) in network.contact().iter().enumerate() {
             let node = contact.node;
-            let limit = contact.measure * law.hi();
-            if !releases || !self.held[node] || network.condition(node) == NodeCondition::Fixed {
+            if !releases || !self.held[node] {
                 continue;
             }
-            let below = self.residual[node] + limit;
+            let below = self.residual[node] + self.problem.most(b);
             if self.residual[node] > 0.0 {
                 self.held[node] = false;
                 self.change(node, self.residual[node] / network.diagonal()[node]);
@@ -327,13 +326,13 @@ impl<'a> Iterate<'a> {
 
     /// Twice the energy that relaxing each held node apart would gain.
     fn gain_of_releases(&self) -> f64 {
-        let ContactProblem { network, law, .. } = self.problem;
+        let network = self.problem.network;
         let mut gain = 0.0;
-        for contact in network.contact() {
+        for (b, contact) in network.contact().iter().enumerate() {
             let node = contact.node;
-            if self.held[node] && network.condition(node) != NodeCondition::Fixed {
+            if self.held[node] {
                 let residual = self.residual[node];
-                let below = residual + contact.measure * law.hi();
+                let below = residual + self.problem.most(b);
                 let violation = residual.max(0.0) + below.min(0.0);
                 gain += violation * violation / network.diagonal()[node];
             }

@@ -7,7 +7,7 @@ use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::multigrid::order::reverse_cuthill_mckee;
 use crate::multigrid::{InputError, check_load};
-use crate::problem::law::Law;
+use crate::problem::law::{ContactNode, Law};
 use std::borrow::Cow;
 
 /// Discrete problem with the interpolation from the next coarser one.
@@ -162,7 +162,7 @@ fn of_contact_nodes(network: &Network, of_nodes: &[u32]) -> Vec<u32> {
     network.contact().iter().map(|contact| of_nodes[contact.node]).collect()
 }
 
-/// Nested problems under a law `[0, limit]`.
+/// Nested problems under laws `[0, limit]`.
 pub(super) struct NestedProblem<'a> {
     pub(super) levels: NetworkLevels<'a>,
     /// Scaled load of each level.
@@ -177,17 +177,21 @@ impl NestedProblem<'_> {
         self.levels.finest()
     }
 
-    /// Law on a level whose flux has this limit on the finest one.
-    pub(super) fn law(&self, limit: f64, level: usize) -> Result<Law, InputError> {
+    /// Laws `[0, limit]` of the contact nodes of a level, with their limits or without, divided as the load.
+    pub(super) fn laws(&self, has_limits: bool, level: usize) -> Result<Vec<Law>, InputError> {
         let [finest, network] = [self.finest(), level].map(|level| self.levels.network(level));
         // On curved boundaries the coarser polygons are shorter: their flux has to balance the same load.
         // Without contact nodes there is nothing to balance.
         let longer = if network.contact().is_empty() {
             1.0
         } else {
-            finest.perimeter() / network.perimeter()
+            finest.laws().measure / network.laws().measure
         };
-        Ok(Law::new(0.0, limit * longer)?)
+        let law = |contact: &ContactNode| {
+            let limit = if has_limits { contact.law.one_sided().hi() } else { f64::INFINITY };
+            Ok(Law::new(0.0, limit / self.scale * longer)?)
+        };
+        network.contact().iter().map(law).collect()
     }
 }
 
@@ -203,24 +207,19 @@ pub(super) struct Components {
 
 impl Components {
     /// Finds the components, and checks the load on the finest level.
-    pub(super) fn of(
-        levels: &NetworkLevels<'_>,
-        law: Law,
-        load: &[f64],
-    ) -> Result<Self, InputError> {
+    pub(super) fn of(levels: &NetworkLevels<'_>, load: &[f64]) -> Result<Self, InputError> {
         let (of_nodes, of_contact) = levels.components();
         let found = components(levels.network(levels.finest()), &of_nodes, load);
-        check_load(&found, law)?;
-        let has_fixed = found.iter().map(|component| component.has_fixed).collect();
+        check_load(&found)?;
+        let has_fixed = found.iter().map(|component| component.laws.is_held()).collect();
         Ok(Self { has_fixed, of_contact, of_nodes })
     }
 
-    /// Measure of the boundary of each component that balances this load on the finest level if it slips down, with
-    /// this limit of the flux.
-    pub(super) fn needed(&self, load: &[f64], limit: f64) -> Vec<f64> {
+    /// Flux through the boundary of each component that balances this load on the finest level.
+    pub(super) fn needed(&self, load: &[f64]) -> Vec<f64> {
         let mut needed = vec![0.0; self.has_fixed.len()];
         for (&component, load) in self.of_nodes.iter().zip(load) {
-            needed[component as usize] -= load / limit;
+            needed[component as usize] -= load;
         }
         needed
     }

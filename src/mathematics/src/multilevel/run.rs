@@ -34,9 +34,9 @@ pub(super) struct NetworkRun<'a> {
     pub(super) start: Option<Vec<f64>>,
     /// True if slow steps are to end, since other levels may be of more use.
     pub(super) has_other_levels: bool,
-    /// Limit of the flux, divided as the load.
-    limit: f64,
-    /// Measure of the boundary of each component that balances the load if it slips down.
+    /// True if the laws have their limits.
+    has_limits: bool,
+    /// Flux through the boundary of each component that balances the load.
     needed: Vec<f64>,
     /// Nodal vector of the coarsest level.
     coarsest: Vec<f64>,
@@ -65,7 +65,7 @@ impl<'a> NetworkRun<'a> {
             cycle: Cycle::new(&nested.levels),
             start: None,
             has_other_levels: true,
-            limit: f64::INFINITY,
+            has_limits: false,
             needed: Vec::new(),
             coarsest: Vec::new(),
             iterate: None,
@@ -101,7 +101,7 @@ impl<'a> NetworkRun<'a> {
         let NestedProblem { levels, loads, components, .. } = self.nested;
         let problem = ContactProblem {
             network: levels.network(level),
-            law: self.nested.law(self.limit, level)?,
+            laws: self.nested.laws(self.has_limits, level)?,
             components: &components.of_contact[level],
             has_fixed: &components.has_fixed,
             needed: self.needed.clone(),
@@ -140,13 +140,13 @@ impl Hierarchy for NetworkRun<'_> {
         self.nested.finest()
     }
 
-    fn set_problem(&mut self, limit: f64) -> Result<LoadScale, InputError> {
+    fn set_problem(&mut self, has_limits: bool) -> Result<LoadScale, InputError> {
         let NestedProblem { loads, components, scale, .. } = self.nested;
         // What has been done before counts as well.
         self.take_y();
-        self.limit = limit / scale;
+        self.has_limits = has_limits;
         let load = &loads[self.finest()];
-        self.needed = components.needed(load, self.limit);
+        self.needed = components.needed(load);
         Ok(LoadScale { scale: *scale, largest: largest(load) })
     }
 
@@ -154,10 +154,11 @@ impl Hierarchy for NetworkRun<'_> {
         if self.nested.levels.coarsest_mesh > 0 {
             return self.solve_aggregates();
         }
-        let (network, load) = (self.nested.levels.network(0), &self.nested.loads[0]);
-        let law = self.nested.law(self.limit, 0)?;
-        let (y, end) = active_set(network, law, load, None)?;
-        self.coarse_energy = judge(network, law, &y, load).energy;
+        let laws = self.nested.laws(self.has_limits, 0)?;
+        let (network, load) =
+            (self.nested.levels.network(0).with_laws(&laws), &self.nested.loads[0]);
+        let (y, end) = active_set(&network, load, None)?;
+        self.coarse_energy = judge(&network, &y, load).energy;
         self.work += self.cycle.coarsest_work(end.iterations);
         self.coarsest = y;
         Ok(end.stop)
@@ -168,7 +169,7 @@ impl Hierarchy for NetworkRun<'_> {
         self.begin(level, y)
     }
 
-    fn starts_with_limit(&self) -> bool {
+    fn starts_with_limits(&self) -> bool {
         self.start.is_some()
     }
 
@@ -229,12 +230,12 @@ impl Hierarchy for NetworkRun<'_> {
         self.fine().rounding()
     }
 
-    fn residual_under(&mut self, limit: f64) -> Result<f64, InputError> {
+    fn residual_under(&mut self, has_limits: bool) -> Result<f64, InputError> {
         let finest = self.finest();
         let (network, load) = (self.nested.levels.network(finest), &self.nested.loads[finest]);
-        let law = self.nested.law(limit / self.nested.scale, finest)?;
+        let laws = self.nested.laws(has_limits, finest)?;
         let y = self.iterate.as_ref().map_or(&self.coarsest, |iterate| &iterate.y);
-        Ok(judge(network, law, y, load).kkt.natural)
+        Ok(network.natural_residual(&laws, y, |node| network.gradient_at(node, y, load)))
     }
 
     fn work_units(&self) -> f64 {

@@ -15,8 +15,8 @@
 
 use super::aggregates::{Aggregates, NONE, Strength, aggregates};
 use super::interpolation::{WeightedNode, WeightedRows};
-use crate::discrete::network::{MatrixRows, Network, NodeCondition};
-use crate::problem::law::ContactNode;
+use crate::discrete::network::{MatrixRows, Network};
+use crate::problem::law::LawSum;
 
 /// Weight of the step of Jacobi's method.
 const OMEGA: f64 = 0.9;
@@ -91,7 +91,7 @@ struct FromAggregates {
 /// Interpolation by the smoothed indicator functions of the aggregates.
 fn smoothed(network: &Network, strength: &Strength<'_>, of_nodes: &[u32]) -> FromAggregates {
     let mut rows = WeightedRows::with_capacity(of_nodes.len(), 3 * of_nodes.len());
-    let is_contact = |node: usize| matches!(network.condition(node), NodeCondition::Contact(_));
+    let is_contact = |node: usize| network.contact_at(node).is_some();
     let mut missing = vec![0.0; of_nodes.len()];
     let mut row: Vec<WeightedNode> = Vec::new();
     for (node, &own) in of_nodes.iter().enumerate() {
@@ -164,7 +164,7 @@ impl Accumulator {
     }
 }
 
-/// Discrete problem of the coarse functions: `P' A P`, with the measures of the contact nodes.
+/// Discrete problem of the coarse functions: `P' A P`, with the sums of the laws of the contact nodes.
 fn galerkin(network: &Network, interpolation: &FromAggregates, coarse: usize) -> Network {
     let FromAggregates { rows: interpolation, missing } = interpolation;
     let nodes = network.nodes();
@@ -203,10 +203,10 @@ fn galerkin(network: &Network, interpolation: &FromAggregates, coarse: usize) ->
             rows.push(others.map(|entry| (entry.node, -entry.weight)));
         });
     }
-    let (mut measures, mut masses) = (vec![0.0; coarse], vec![0.0; coarse]);
+    let (mut laws, mut masses) = (vec![LawSum::default(); coarse], vec![0.0; coarse]);
     for contact in network.contact() {
         for entry in interpolation.row(contact.node) {
-            measures[entry.node as usize] += entry.weight * contact.measure;
+            laws[entry.node as usize].add(contact.law, entry.weight * contact.measure);
         }
     }
     for (node, mass) in network.masses().iter().enumerate() {
@@ -214,28 +214,29 @@ fn galerkin(network: &Network, interpolation: &FromAggregates, coarse: usize) ->
             masses[entry.node as usize] += entry.weight * mass;
         }
     }
-    let contact = measures.into_iter().enumerate().filter(|(_, measure)| *measure > 0.0);
-    let contact = contact.map(|(node, measure)| ContactNode { node, measure }).collect();
+    let contact = laws.into_iter().enumerate().filter(|(_, laws)| laws.measure > 0.0);
+    let contact = contact.map(|(node, laws)| laws.at_node(node)).collect();
     Network::of_rows(rows, contact, masses).with_additions(&sums)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{AnyMesh, Condition, refined};
+    use crate::mesh::{AnyMesh, refined};
     use crate::multilevel::interpolation::product;
+    use crate::problem::law::Law;
 
     /// Discrete problem of the L-shape, refined four times, with a fixed part or without one.
-    fn network(condition: Condition) -> Network {
+    fn network(law: Law) -> Network {
         let Some(AnyMesh::Plane(mut mesh)) = AnyMesh::built_in("lshape") else { unreachable!() };
-        mesh.parts_mut()[0].condition = condition;
+        mesh.parts_mut()[0].law = law;
         let (mut levels, _) = refined(&mesh, 4).unwrap();
         levels.pop().expect("the finest level").network
     }
 
     #[test]
     fn levels_shrink_to_a_size_for_factors() {
-        let network = network(Condition::Contact);
+        let network = network(Law::SIGNORINI);
         let levels = coarse_levels(&network, STRONG);
         let mut finer = network.nodes();
         for level in &levels {
@@ -247,7 +248,7 @@ mod tests {
 
     #[test]
     fn contact_nodes_are_means_of_contact_nodes_and_measures_sum_up() {
-        let network = network(Condition::Contact);
+        let network = network(Law::SIGNORINI);
         let mut finer = &network;
         let levels = coarse_levels(&network, STRONG);
         for CoarseLevel { network, rows, of_contact } in &levels {
@@ -257,19 +258,18 @@ mod tests {
                 assert!((sum - 1.0).abs() < 1e-14 && row.iter().all(|entry| entry.weight >= 0.0));
                 assert!(row.iter().any(|entry| entry.node == aggregate));
                 for entry in row {
-                    let condition = network.condition(entry.node as usize);
-                    assert!(matches!(condition, NodeCondition::Contact(_)));
+                    assert!(network.contact_at(entry.node as usize).is_some());
                 }
             }
-            assert!((network.perimeter() / finer.perimeter() - 1.0).abs() < 1e-13);
+            assert!((network.laws().measure / finer.laws().measure - 1.0).abs() < 1e-13);
             finer = network;
         }
     }
 
     #[test]
     fn the_coarse_energy_is_that_of_the_interpolated_function() {
-        for condition in [Condition::Contact, Condition::Fixed] {
-            let network = network(condition);
+        for law in [Law::SIGNORINI, Law::FIXED] {
+            let network = network(law);
             let mut finer = &network;
             for CoarseLevel { network, rows, .. } in &coarse_levels(&network, STRONG) {
                 let nodes = network.nodes();

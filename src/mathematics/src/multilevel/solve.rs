@@ -3,12 +3,12 @@
 use super::levels::{Components, NestedProblem, NetworkLevels};
 use super::run::NetworkRun;
 use super::smoothed::{STRONG, VERY_STRONG};
-use crate::discrete::domain::LawAndLoad;
 use crate::discrete::end::{End, Stop};
 use crate::discrete::load_stats::LoadStats;
 use crate::discrete::nested::NestedNetwork;
 use crate::multigrid::driver::{self, Hierarchy};
 use crate::multigrid::{InputError, MultigridParams, check_length};
+use crate::problem::law::OneSided;
 
 /// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the contact nodes on the last of nested networks, and
 /// `y = 0` at its fixed nodes. `load` is the load vector F there. Returns the nodal vector, and the end.
@@ -21,11 +21,11 @@ use crate::multigrid::{InputError, MultigridParams, check_length};
 /// If there are no levels.
 pub fn solve_nested_networks(
     levels: &[NestedNetwork],
-    problem: LawAndLoad<'_>,
+    load: &[f64],
     params: &MultigridParams,
 ) -> Result<(Vec<f64>, End), InputError> {
     let Improved { y, end, .. } =
-        improve_on_nested_networks(levels, problem, Start::default(), params)?;
+        improve_on_nested_networks(levels, load, Start::default(), params)?;
     Ok((y, end))
 }
 
@@ -59,20 +59,20 @@ pub struct Improved {
 /// If there are no levels.
 pub fn improve_on_nested_networks(
     levels: &[NestedNetwork],
-    problem: LawAndLoad<'_>,
+    load: &[f64],
     start: Start<'_>,
     params: &MultigridParams,
 ) -> Result<Improved, InputError> {
     let last = &levels[levels.len() - 1..];
     if start.is_slow {
-        return Ok(solve_on(last, problem, start, true, params)?.improved);
+        return Ok(solve_on(last, load, start, true, params)?.improved);
     }
-    let nested = solve_on(levels, problem, start, false, params)?;
+    let nested = solve_on(levels, load, start, false, params)?;
     if !nested.improved.is_slow {
         return Ok(nested.improved);
     }
     let again = Start { y: Some(&nested.improved.y), is_slow: true };
-    let aggregated = solve_on(last, problem, again, false, params)?;
+    let aggregated = solve_on(last, load, again, false, params)?;
     if !aggregated.is_cut_short {
         let runs = [nested.improved.end, aggregated.improved.end];
         return Ok(together(&runs, aggregated.improved));
@@ -81,7 +81,7 @@ pub fn improve_on_nested_networks(
     let is_slow = aggregated.speed >= nested.speed;
     let from = Start { y: Some(&aggregated.improved.y), is_slow };
     let chosen = if is_slow { last } else { levels };
-    let rest = solve_on(chosen, problem, from, true, params)?;
+    let rest = solve_on(chosen, load, from, true, params)?;
     let runs = [&nested, &aggregated, &rest].map(|run| run.improved.end);
     Ok(together(&runs, rest.improved))
 }
@@ -106,7 +106,7 @@ fn together(runs: &[End], last: Improved) -> Improved {
 /// steps end the run unless it is `to_the_end`.
 fn solve_on(
     levels: &[NestedNetwork],
-    LawAndLoad { law, load }: LawAndLoad<'_>,
+    load: &[f64],
     start: Start<'_>,
     to_the_end: bool,
     params: &MultigridParams,
@@ -114,9 +114,11 @@ fn solve_on(
     check_length(levels[levels.len() - 1].network.nodes(), load)?;
     let levels = NetworkLevels::new(levels, if start.is_slow { VERY_STRONG } else { STRONG });
     let load = &levels.renumbered(load);
-    let components = Components::of(&levels, law, load)?;
-    let one_sided = law.one_sided(load);
-    let shifted = one_sided.load(load, levels.network(levels.finest()).contact());
+    let components = Components::of(&levels, load)?;
+    let finest = levels.network(levels.finest());
+    let (laws, has_limits) = (finest.laws(), finest.contact().iter().any(|of| of.law.is_bounded()));
+    let one_sided = OneSided::new(&laws, load)?;
+    let shifted = one_sided.load(load, finest.contact());
     let scale = LoadStats::measure(&shifted).scale();
     let loads = levels.restricted(shifted.iter().map(|value| value / scale).collect());
     let nested = NestedProblem { levels, loads, components, scale };
@@ -125,7 +127,7 @@ fn solve_on(
     let scaled = |y: &[f64]| y.iter().map(|value| factor * value).collect::<Vec<f64>>();
     run.start = start.y.map(|y| scaled(&nested.levels.renumbered(y)));
     run.has_other_levels = !to_the_end;
-    let end = driver::solve(&mut run, one_sided.limit, params)?;
+    let end = driver::solve(&mut run, has_limits, params)?;
     let is_cut_short = end.stop == Stop::IterationLimit && run.is_slow();
     let (is_slow, speed) = (start.is_slow || is_cut_short, run.speed());
     let mut y = nested.levels.in_order_of_mesh(run.take_y());
@@ -145,14 +147,14 @@ mod tests {
     fn meshes_take_over_again_where_aggregates_are_slower() {
         let file = include_bytes!("../../../../tests/meshes/plate60.msh");
         let AnyMesh::Space(mesh) = gmsh::read(file).unwrap() else { panic!("a mesh in space") };
+        let mesh = mesh.with_law(Law::friction(0.00595).unwrap());
         let (networks, mesh) = refined(&mesh, 2).unwrap();
         let f = on_regions::<3>("formula(4*x-3)", mesh.region_names(), mesh.extent()).unwrap();
         let load = mesh_load(&mesh, &f[..]).unwrap().load;
-        let law = Law::friction(0.00595).unwrap();
         let params = MultigridParams::default();
-        let (y, end) = solve_nested_networks(&networks, law.with_load(&load), &params).unwrap();
+        let (y, end) = solve_nested_networks(&networks, &load, &params).unwrap();
         let network = &networks[2].network;
-        let kkt = judge(network, law, &y, &load).kkt;
+        let kkt = judge(network, &y, &load).kkt;
         assert!(
             end.stop == Stop::RoundingFloor && end.iterations < 200,
             "{} {end:?} {kkt:?}",

@@ -1,12 +1,11 @@
-//! Balance of a load by the boundary of a connected component under the law `[0, limit]`.
+//! Balance of a load by the boundary of a connected component under laws `[0, limit]`.
 //!
-//! Without fixed nodes, the fluxes of a solution sum to minus the load: nodes that slip down have the flux `limit` for
-//! each length or area, nodes that slip up have none, and nodes that stick anything between. So the load determines the
-//! measure that the nodes which slip down would have if no other node had a flux.
+//! Without fixed nodes, the fluxes of a solution sum to minus the load: nodes that slip down have their limit, nodes
+//! that slip up have none, and nodes that stick anything between.
 
 use super::law::BoundaryState;
 
-/// Measures of the boundary of a component by the states of its nodes.
+/// Largest fluxes through the boundary of a component by the states of its nodes.
 #[derive(Clone, Default)]
 pub(crate) struct Balance {
     sticks: f64,
@@ -18,8 +17,8 @@ pub(crate) struct Balance {
 pub(crate) struct ContactValue {
     /// Number of the node.
     pub number: usize,
-    /// Length or area of the boundary at the node.
-    pub measure: f64,
+    /// Largest flux through the boundary at the node.
+    pub most: f64,
     /// Value of y.
     pub value: f64,
     /// Multiplier, which decides between nodes with the same value.
@@ -27,35 +26,35 @@ pub(crate) struct ContactValue {
 }
 
 impl Balance {
-    /// Adds a node.
-    pub(crate) fn see(&mut self, state: BoundaryState, measure: f64) {
+    /// Adds a node with this largest flux.
+    pub(crate) fn see(&mut self, state: BoundaryState, most: f64) {
         match state {
-            BoundaryState::Sticks => self.sticks += measure,
-            BoundaryState::SlipsDown => self.slips_down += measure,
+            BoundaryState::Sticks => self.sticks += most,
+            BoundaryState::SlipsDown => self.slips_down += most,
             BoundaryState::SlipsUp => {}
         }
     }
 
-    /// True if the nodes that stick can balance the load, given the measure that does so if it slips down.
+    /// True if the nodes that stick can balance the load, given the flux that does.
     pub(crate) fn holds(&self, needed: f64) -> bool {
         let most = self.slips_down + self.sticks;
-        self.sticks > 0.0 && (self.slips_down..=most).contains(&needed)
+        self.sticks > 0.0 && (self.slips_down..=most).contains(&needed.max(0.0))
     }
 }
 
 /// Sorts the nodes of a component by increasing values, then by decreasing multipliers: the order in which they begin
 /// to slip down if a growing constant is subtracted from all values. Returns the place of the node which is zero after
-/// the constant of least energy, where the nodes before have at most the measure `needed` that balances the load if it
-/// slips down; under the paper's law, where that is zero, the first.
+/// the constant of least energy, where the nodes before have at most the flux `needed` that balances the load; under the
+/// paper's law the first.
 ///
 /// # Panics
 /// If there are no nodes.
 pub(crate) fn place_at_zero(nodes: &mut [ContactValue], needed: f64) -> usize {
     nodes.sort_by(|a, b| a.value.total_cmp(&b.value).then(b.multiplier.total_cmp(&a.multiplier)));
-    let mut measure = 0.0;
+    let mut flux = 0.0;
     let reaches = |node: &ContactValue| {
-        measure += node.measure;
-        measure >= needed
+        flux += node.most;
+        flux >= needed
     };
     nodes.iter().position(reaches).unwrap_or(nodes.len() - 1)
 }
@@ -67,7 +66,7 @@ mod tests {
     fn nodes(values: &[f64]) -> Vec<ContactValue> {
         let node = |(number, &value): (usize, &f64)| {
             let multiplier = number as f64;
-            ContactValue { number, measure: 0.5, value, multiplier }
+            ContactValue { number, most: 0.5, value, multiplier }
         };
         values.iter().enumerate().map(node).collect()
     }

@@ -9,6 +9,9 @@
 //! | slips up | above 0 | `lo` |
 //! | slips down | below 0 | `hi` |
 //!
+//! A free part, dv/dn = 0, has `[0, 0]`, and a fixed one, v = 0, `(-inf, inf)`: there nothing moves from one state to
+//! another. The law of a node is the sum of the intervals of its facets.
+//!
 //! The paper's problem (1) has `[0, inf)`: nothing slips down, and what sticks is in contact. Friction with the bound g
 //! has `[-g, g]` (Glowinski, Lions and Tremolieres, *Numerical Analysis of Variational Inequalities*, 1981), and a
 //! membrane that lets at most a given flow through `[0, hi]` (Duvaut and Lions, *Inequalities in Mechanics and
@@ -20,7 +23,7 @@ use crate::machine::extremes::{max_or_nan, min_or_nan};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Law on the boundary: the interval of the flux.
+/// Law on a part of the boundary, or at a node: the interval of the flux.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law {
     lo: f64,
@@ -37,13 +40,28 @@ pub enum LawParameter {
     Limit(f64),
 }
 
-/// Node of the boundary where the law holds.
+/// Node of the boundary with its law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactNode {
     /// Number of the node.
     pub node: usize,
-    /// Length or area of the boundary at the node: the integral of the hat function over the boundary in contact.
+    /// Length or area of the boundary at the node: the integral of the hat function over the facets that are not free.
     pub measure: f64,
+    /// Interval of the mean flux: the sum of the intervals of the facets over the measure.
+    pub law: Law,
+}
+
+/// Sum of the laws on some of the boundary: of the facets at a node, or of a connected component.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LawSum {
+    /// Length or area, without what is free.
+    pub measure: f64,
+    /// Least and largest flux through all of it.
+    pub fluxes: [f64; 2],
+    /// The law, if there is one.
+    law: Option<Law>,
+    /// True if there are several.
+    is_mixed: bool,
 }
 
 /// Numbers that make no law.
@@ -57,6 +75,12 @@ pub enum LawError {
         /// Value of the parameter.
         value: f64,
     },
+    /// Laws of which one keeps v from being negative and another one from being positive.
+    #[error(
+        "v is kept from being negative on one part of the boundary and from being positive on another one; the solver \
+         takes one of both"
+    )]
+    Opposed,
     /// Ends of an interval that is empty, has no inner point, or is not bounded on either side.
     #[error(
         "the flux must lie between two numbers, the first smaller and at most one infinite, not {lo} and {hi}"
@@ -81,28 +105,51 @@ pub enum BoundaryState {
     SlipsDown,
 }
 
-/// A problem under a law as one for v or -v under the law `[0, limit]`, with another load: all that solvers have to
-/// know of a law is then one number.
-///
-/// The end of the interval with the smaller absolute value becomes 0. For friction, where both are as far from 0, it is
-/// the one that v mostly slips towards: the load of largest absolute value decides. So f and -f lead to the same
-/// numbers, and where v has one sign, the limit plays no part.
+/// A problem as one for v or -v under laws `[0, limit]`, with another load: all that solvers have to know of a law is
+/// then one number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct OneSided {
     /// True if the problem is that of -v.
     pub is_reflected: bool,
-    /// Flux that is added to the load at the boundary, per length or area.
-    pub shift: f64,
-    /// Width of the interval; infinite for the paper's law.
-    pub limit: f64,
 }
 
 impl OneSided {
-    /// Load vector of the other problem, for the load vector F and the nodes where the law holds.
+    /// The problem with this load vector under these laws.
+    ///
+    /// The end with the smaller absolute value becomes 0. For friction, where both are as far from 0, it is the one that v mostly slips towards: the load of largest absolute value decides. So f and -f lead to the same
+    /// numbers, and where v has one sign, the limit plays no part.
+    ///
+    /// # Errors
+    /// [`LawError::Opposed`].
+    pub(crate) fn new(laws: &LawSum, load: &[f64]) -> Result<Self, LawError> {
+        let [lo, hi] = laws.fluxes;
+        if laws.is_held() {
+            return Err(LawError::Opposed);
+        }
+        let is_reflected = if lo == -hi {
+            let mut largest = 0.0f64;
+            for value in load {
+                if value.abs() > largest.abs() {
+                    largest = *value;
+                }
+            }
+            largest < 0.0
+        } else {
+            lo.abs() > hi.abs()
+        };
+        Ok(Self { is_reflected })
+    }
+
+    /// Flux that is added to the load under a law, per length or area.
+    pub(crate) fn shift(self, law: Law) -> f64 {
+        if self.is_reflected { -law.hi } else { law.lo }
+    }
+
+    /// Load vector of the other problem, for the load vector F and the nodes with a law.
     pub(crate) fn load(self, load: &[f64], contact: &[ContactNode]) -> Vec<f64> {
         let mut shifted: Vec<f64> = load.iter().map(|value| self.signed(*value)).collect();
-        for contact in contact {
-            shifted[contact.node] += contact.measure * self.shift;
+        for &ContactNode { node, measure, law } in contact {
+            shifted[node] += measure * self.shift(law);
         }
         shifted
     }
@@ -111,10 +158,59 @@ impl OneSided {
     pub(crate) fn signed(self, value: f64) -> f64 {
         if self.is_reflected { -value } else { value }
     }
+}
 
-    /// True if the other problem is the same one.
-    pub(crate) fn is_same(self) -> bool {
-        !self.is_reflected && self.shift == 0.0
+impl LawSum {
+    /// One law on a boundary of this measure.
+    pub fn of(law: Law, measure: f64) -> Self {
+        let mut sum = Self::default();
+        sum.add(law, measure);
+        sum
+    }
+
+    /// Adds a part of the boundary of this measure.
+    pub fn add(&mut self, law: Law, measure: f64) {
+        if law == Law::FREE {
+            return;
+        }
+        let through = |end: f64| if end.is_finite() { measure * end } else { end };
+        self.measure += measure;
+        self.fluxes[0] += through(law.lo);
+        self.fluxes[1] += through(law.hi);
+        self.is_mixed |= *self.law.get_or_insert(law) != law;
+    }
+
+    /// The law, if there is one on all that is not free; free without any.
+    pub fn only(&self) -> Option<Law> {
+        (!self.is_mixed).then(|| self.law.unwrap_or(Law::FREE))
+    }
+
+    /// The law, or of several the interval of the mean flux.
+    pub(crate) fn mean(&self) -> Law {
+        let [lo, hi] = self.fluxes.map(|flux| flux / self.measure);
+        self.only().unwrap_or(Law { lo, hi })
+    }
+
+    /// Node with these laws on its facets.
+    pub(crate) fn at_node(&self, node: usize) -> ContactNode {
+        ContactNode { node, measure: self.measure, law: self.mean() }
+    }
+
+    /// True if v = 0 somewhere, which balances every f.
+    pub fn is_held(&self) -> bool {
+        self.fluxes == [f64::NEG_INFINITY, f64::INFINITY]
+    }
+
+    /// Friction or limit, in two digits and with something to spare, under which this flux can leave; none if the laws
+    /// are neither, or no limit lets such a flux through.
+    pub(super) fn balancing(&self, flux: f64) -> Option<LawParameter> {
+        let ([lo, hi], mean) = (self.fluxes, flux / self.measure);
+        let parameter = match () {
+            () if lo == -hi => LawParameter::Friction(above(mean.abs())),
+            () if lo == 0.0 && mean > 0.0 => LawParameter::Limit(above(mean)),
+            () => return None,
+        };
+        parameter.law().is_ok().then_some(parameter)
     }
 }
 
@@ -136,6 +232,21 @@ pub(crate) struct BoundaryRow {
 impl Law {
     /// The paper's law: v >= 0, dv/dn >= 0, and one of both zero.
     pub const SIGNORINI: Self = Self { lo: 0.0, hi: f64::INFINITY };
+    /// dv/dn = 0.
+    pub const FREE: Self = Self { lo: 0.0, hi: 0.0 };
+    /// v = 0.
+    pub const FIXED: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+
+    /// The law of these parts, if they all have the same; the paper's without any.
+    pub(crate) fn only(parts: &[(String, Self)]) -> Option<Self> {
+        let first = parts.first().map_or(Self::SIGNORINI, |part| part.1);
+        parts.iter().all(|part| part.1 == first).then_some(first)
+    }
+
+    /// True if what sticks may begin to slip, and what slips to stick: neither a free nor a fixed part.
+    pub fn may_move(self) -> bool {
+        self.lo < self.hi && self != Self::FIXED
+    }
 
     /// Law with the flux in `[lo, hi]`.
     ///
@@ -188,32 +299,20 @@ impl Law {
         self == Self::SIGNORINI
     }
 
-    /// Name of the integral of dv/dn over the boundary, in words.
-    pub fn name_of_force(self) -> &'static str {
-        if self.is_signorini() { "contact force" } else { "flux through the boundary" }
-    }
-
     /// Law of -v, if this is the law of v.
     #[must_use]
     pub fn reflected(self) -> Self {
         Self { lo: 0.0 - self.hi, hi: 0.0 - self.lo }
     }
 
-    /// The problem under this law with the load vector `load` as one under the law `[0, limit]`.
-    pub(crate) fn one_sided(self, load: &[f64]) -> OneSided {
-        let is_reflected = if self.lo == -self.hi {
-            let mut largest = 0.0f64;
-            for value in load {
-                if value.abs() > largest.abs() {
-                    largest = *value;
-                }
-            }
-            largest < 0.0
-        } else {
-            self.lo.abs() > self.hi.abs()
-        };
-        let shift = if is_reflected { -self.hi } else { self.lo };
-        OneSided { is_reflected, shift, limit: self.hi - self.lo }
+    /// The law `[0, limit]` in the [one-sided](OneSided) problem.
+    pub(crate) fn one_sided(self) -> Self {
+        Self::up_to(self.hi - self.lo)
+    }
+
+    /// Law `[0, limit]`.
+    pub(crate) fn up_to(limit: f64) -> Self {
+        Self { lo: 0.0, hi: limit }
     }
 
     /// The point of the interval next to a flux, which takes the place of `( )^+` in (8) and (12).
@@ -296,24 +395,6 @@ impl Law {
         let flux = if v > 0.0 { self.lo } else { self.hi };
         if flux.is_finite() { -flux * v } else { 0.0 }
     }
-
-    /// Integrals of f that the flux through a boundary of this `perimeter` (in space, area) can balance: all between
-    /// these two, both left out.
-    pub fn balanced(self, perimeter: f64) -> [f64; 2] {
-        // By subtraction, since the negative of zero is another zero.
-        [0.0 - self.hi * perimeter, 0.0 - self.lo * perimeter]
-    }
-
-    /// Friction or limit, in two digits and with something to spare, under which the flux can be this one on average;
-    /// none if the law is neither, or no limit lets such a flux through.
-    pub(super) fn balancing(self, flux: f64) -> Option<LawParameter> {
-        let parameter = match () {
-            () if self.lo == -self.hi => LawParameter::Friction(above(flux.abs())),
-            () if self.lo == 0.0 && flux > 0.0 => LawParameter::Limit(above(flux)),
-            () => return None,
-        };
-        parameter.law().is_ok().then_some(parameter)
-    }
 }
 
 /// The interval, as it stands in messages.
@@ -348,6 +429,11 @@ impl LawParameter {
     pub fn law_or_papers(parameter: Option<Self>) -> Result<Law, LawError> {
         parameter.map_or(Ok(Law::SIGNORINI), Self::law)
     }
+}
+
+/// Name of the integral of dv/dn over the boundary, in words.
+pub fn name_of_force(is_papers_law: bool) -> &'static str {
+    if is_papers_law { "contact force" } else { "flux through the boundary" }
 }
 
 /// A number of two digits above a positive one.

@@ -24,7 +24,6 @@ pub use stopping::StopRule;
 use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::kkt::rounding;
 use crate::discrete::norms::largest;
-use crate::problem::law::Law;
 
 /// The pair (y, a) of (7): values of v at the nodes, and of the multiplier at the boundary nodes where the law holds.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,7 +44,7 @@ impl Pair {
 
     /// Contact at the boundary nodes: where the multiplier is inside the interval of the law or v is zero, up to
     /// rounding errors. Under the paper's law both are zero in a corner without load between nodes in contact.
-    pub fn in_contact<'a>(&self, domain: impl Into<DiscreteDomain<'a>>, law: Law) -> Vec<bool> {
+    pub fn in_contact<'a>(&self, domain: impl Into<DiscreteDomain<'a>>) -> Vec<bool> {
         let domain = domain.into();
         let contact = domain.contact();
         let nodes = || contact.iter().zip(&self.a);
@@ -56,9 +55,8 @@ impl Pair {
         let zero = rounding(domain.width(), size);
         let mut in_contact = Vec::with_capacity(self.a.len());
         for (contact, a) in nodes() {
-            in_contact.push(
-                law.is_inside(*a, zero / contact.measure) || self.y[contact.node].abs() <= zero,
-            );
+            let is_inside = contact.law.is_inside(*a, zero / contact.measure);
+            in_contact.push(is_inside || self.y[contact.node].abs() <= zero);
         }
         in_contact
     }

@@ -33,6 +33,8 @@ pub trait NestedLevels {
 pub struct NestedGrids<'a> {
     /// Grids, coarsest first, as [`crate::discrete::grid::nested`] gives them.
     pub grids: &'a [Grid],
+    /// Law on the boundary.
+    pub law: Law,
     /// Interpolation to the next grid.
     pub prolongation: Prolongation,
 }
@@ -43,7 +45,7 @@ impl NestedLevels for NestedGrids<'_> {
     }
 
     fn domain(&self, k: usize) -> DiscreteDomain<'_> {
-        self.grids[k].into()
+        (self.grids[k], self.law).into()
     }
 
     fn interpolated(&self, k: usize, Pair { y, a }: &Pair) -> Pair {
@@ -136,23 +138,21 @@ impl NestedRun<'_> {
 /// If there are no levels, a load vector has the wrong length, or `params.r` is not positive.
 pub fn solve_nested<L: NestedLevels + ?Sized>(
     levels: &L,
-    law: Law,
     loads: &[Vec<f64>],
     params: &Params,
     monitor: &mut dyn Monitor,
 ) -> (Vec<Outcome>, Pair) {
     let run = NestedRun { loads, params: *params };
-    solve_nested_together(levels, law, &[run], &mut [monitor]).swap_remove(0)
+    solve_nested_together(levels, &[run], &mut [monitor]).swap_remove(0)
 }
 
-/// As [`solve_nested`], for several runs under one law, each with its observer: on grids side by side, which takes less
+/// As [`solve_nested`], for several runs, each with its observer: on grids side by side, which takes less
 /// time than one after the other, and gives the same bits.
 ///
 /// # Panics
 /// As [`solve_nested`].
 pub fn solve_nested_together<L: NestedLevels + ?Sized>(
     levels: &L,
-    law: Law,
     runs: &[NestedRun<'_>],
     monitors: &mut [&mut dyn Monitor],
 ) -> Vec<(Vec<Outcome>, Pair)> {
@@ -166,7 +166,7 @@ pub fn solve_nested_together<L: NestedLevels + ?Sized>(
             }
         }
         let on_level = going.iter().map(|&number| AskedRun {
-            problem: law.with_load(&runs[number].loads[k]),
+            load: &runs[number].loads[k],
             params: runs[number].params_on(k),
             start: &found[number].1,
             has_history: monitors[number].has_history(),

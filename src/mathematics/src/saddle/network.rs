@@ -5,7 +5,6 @@ use super::engine::{Engine, RunStart};
 use super::plain::Plain;
 use super::stopping::{GradientMeasure, GradientTerms, RoundingFloor, size};
 use crate::discrete::network::Network;
-use crate::problem::law::Law;
 use std::borrow::Cow;
 
 /// One run on a network.
@@ -29,7 +28,6 @@ impl<'a> OnNetwork<'a> {
     /// If a vector has the wrong length for `network`, or r is not positive.
     pub(super) fn new(
         network: &'a Network,
-        law: Law,
         &RunStart { load, method, r, pair }: &RunStart<'a>,
     ) -> Self {
         assert!(r > 0.0, "the duality parameter r must be positive");
@@ -41,7 +39,7 @@ impl<'a> OnNetwork<'a> {
             false => Cow::Borrowed(network),
         };
         let terms = GradientTerms::on_network(&inner, r);
-        let problem = Plain { network, law, load, r };
+        let problem = Plain { network, load, r };
         let (target, pair) = (load.into(), pair.clone());
         let mut engine = Self { problem, inner, target, weight, terms, pair };
         engine.centre(0);

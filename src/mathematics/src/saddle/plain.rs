@@ -13,16 +13,14 @@
 //! Huber's function.
 
 use super::Pair;
-use crate::discrete::network::{ContactRow, Network, NodeCondition};
-use crate::problem::law::{BoundaryRow, Law};
+use crate::discrete::network::{ContactRow, Network};
+use crate::problem::law::{BoundaryRow, ContactNode};
 
 /// The discrete problem with the duality parameter of (7).
 #[derive(Clone, Copy)]
 pub struct Plain<'a> {
-    /// Stiffness matrix (5) and boundary.
+    /// Stiffness matrix (5), and the boundary with its laws.
     pub network: &'a Network,
-    /// Law on the boundary.
-    pub law: Law,
     /// Load vector F (6).
     pub load: &'a [f64],
     /// Duality parameter r > 0.
@@ -33,8 +31,8 @@ impl Plain<'_> {
     /// Minimises M over one component of y after the other, in the order of the nodes: (9)-(11).
     pub fn sweep(&self, pair: &mut Pair) {
         let Pair { y, a } = pair;
-        self.network.sweep(self.load, y, |b, ContactRow { sum, diagonal, measure }| {
-            self.law.relax(BoundaryRow { sum, diagonal, measure, a: a[b], r: self.r })
+        self.network.sweep(self.load, y, |b, ContactRow { sum, diagonal, measure, law }| {
+            law.relax(BoundaryRow { sum, diagonal, measure, a: a[b], r: self.r })
         });
     }
 
@@ -46,7 +44,7 @@ impl Plain<'_> {
             let next = *a - self.r * pair.y[contact.node];
             // The projection would hide a NaN.
             finite &= next.is_finite();
-            let next = self.law.project(next);
+            let next = contact.law.project(next);
             delta_a = delta_a.max((next - *a).abs());
             *a = next;
         }
@@ -56,27 +54,19 @@ impl Plain<'_> {
     /// Returns the derivative (8) of M with respect to y at a node; zero at a fixed node.
     pub fn gradient(&self, node: usize, pair: &Pair) -> f64 {
         let gradient = self.network.gradient_at(node, &pair.y, self.load);
-        match self.network.condition(node) {
-            NodeCondition::Inner => gradient,
-            NodeCondition::Fixed => 0.0,
-            NodeCondition::Contact(b) => {
-                let measure = self.network.contact()[b].measure;
-                let flux = self.law.project(pair.a[b] - self.r * pair.y[node]);
-                gradient - measure * flux
+        match self.network.contact_at(node) {
+            Some((b, ContactNode { measure, law, .. })) => {
+                gradient - measure * law.project(pair.a[b] - self.r * pair.y[node])
             }
+            None if self.network.place(node).is_some() => 0.0,
+            None => gradient,
         }
     }
 
     /// Returns the residual of the conditions of the solution at a node: `|A y - F|` inside, `|y|` at a fixed node, the
     /// law's natural residual at a contact node.
     pub fn residual(&self, node: usize, y: &[f64]) -> f64 {
-        let gradient = self.network.gradient_at(node, y, self.load);
-        match self.network.condition(node) {
-            NodeCondition::Inner => gradient.abs(),
-            NodeCondition::Fixed => y[node].abs(),
-            NodeCondition::Contact(b) => {
-                self.law.residual(y[node], gradient, self.network.contact()[b].measure)
-            }
-        }
+        let ContactNode { measure, law, .. } = self.network.at(node);
+        law.residual(y[node], self.network.gradient_at(node, y, self.load), measure)
     }
 }

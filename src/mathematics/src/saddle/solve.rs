@@ -6,10 +6,9 @@ use super::engine::{Engine, Goals, MeasureBound, RunStart, RunState, run, within
 use super::method::Method;
 use super::network::OnNetwork;
 use super::stopping::{GradientMeasure, StopRule};
-use crate::discrete::domain::{DiscreteDomain, LawAndLoad};
+use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::end::{End, Outcome, Stop};
 use crate::discrete::kkt::{has_solution, judge};
-use crate::problem::law::Law;
 use serde::{Deserialize, Serialize};
 use std::array::from_fn;
 
@@ -88,7 +87,8 @@ impl RunGoal {
 /// Run on one grid or network.
 #[derive(Clone, Copy)]
 pub(super) struct AskedRun<'a> {
-    pub(super) problem: LawAndLoad<'a>,
+    /// Load vector.
+    pub(super) load: &'a [f64],
     pub(super) params: Params,
     /// Pair from which the run starts.
     pub(super) start: &'a Pair,
@@ -99,7 +99,7 @@ pub(super) struct AskedRun<'a> {
 impl AskedRun<'_> {
     fn start(&self) -> RunStart<'_> {
         let Params { method, r, .. } = self.params;
-        RunStart { load: self.problem.load, method, r, pair: self.start }
+        RunStart { load: self.load, method, r, pair: self.start }
     }
 
     fn goal(&self) -> RunGoal {
@@ -123,11 +123,11 @@ pub(super) struct LevelEnd {
 /// If a vector has the wrong length for the domain, or `params.r` is not positive.
 pub fn solve<'a>(
     domain: impl Into<DiscreteDomain<'a>>,
-    problem: LawAndLoad<'_>,
+    load: &[f64],
     params: &Params,
     pair: &mut Pair,
 ) -> Outcome {
-    let run = AskedRun { problem, params: *params, start: pair, has_history: false };
+    let run = AskedRun { load, params: *params, start: pair, has_history: false };
     let ends = solve_together(domain.into(), &[run]);
     let [end] = <[LevelEnd; 1]>::try_from(ends).ok().expect("a run has an end");
     *pair = end.pair;
@@ -140,11 +140,11 @@ pub fn solve<'a>(
 /// As [`solve`].
 pub fn arrow_hurwicz<'a>(
     domain: impl Into<DiscreteDomain<'a>>,
-    problem: LawAndLoad<'_>,
+    load: &[f64],
     params: &Params,
     pair: &mut Pair,
 ) -> Outcome {
-    solve(domain, problem, &Params { method: Method::ArrowHurwicz, ..*params }, pair)
+    solve(domain, load, &Params { method: Method::ArrowHurwicz, ..*params }, pair)
 }
 
 /// Most runs on a grid that are faster one after the other than in the lanes of one engine.
@@ -160,27 +160,27 @@ const FEW: usize = 2;
 /// If a vector has the wrong length for the domain, or an r is not positive.
 pub(super) fn solve_together(domain: DiscreteDomain<'_>, runs: &[AskedRun<'_>]) -> Vec<LevelEnd> {
     match domain {
-        DiscreteDomain::Grid(grid) if runs.len() > FEW => {
-            let mut lanes = Lanes::<LANES>::new(grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
+        DiscreteDomain::Grid(grid, law) if runs.len() > FEW => {
+            let mut lanes = Lanes::<LANES>::new(grid, law, Order::Lexicographic, 1.0);
             in_lanes(&mut lanes, domain, runs, Lanes::enter)
         }
-        DiscreteDomain::Grid(grid) => {
-            let mut lane = Lanes::<1, f64>::new(grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
+        DiscreteDomain::Grid(grid, law) => {
+            let mut lane = Lanes::<1, f64>::new(grid, law, Order::Lexicographic, 1.0);
             in_lanes(&mut lane, domain, runs, Lanes::enter)
         }
         DiscreteDomain::Network(network) => {
             let mut ends = Vec::with_capacity(runs.len());
             for run in runs {
-                let mut engine = OnNetwork::new(network, run.problem.law, &run.start());
-                ends.extend(in_lanes(&mut engine, domain, &[*run], |_, _, _, _| ()));
+                let mut engine = OnNetwork::new(network, &run.start());
+                ends.extend(in_lanes(&mut engine, domain, &[*run], |_, _, _| ()));
             }
             ends
         }
     }
 }
 
-/// Puts a run into a lane of an engine, under a law.
-type Enter<E> = fn(&mut E, usize, Law, &RunStart<'_>);
+/// Puts a run into a lane of an engine.
+type Enter<E> = fn(&mut E, usize, &RunStart<'_>);
 
 /// Runs in the lanes of an engine until all have ended; one that ends makes room for the next.
 fn in_lanes<const K: usize, E: Engine<K>>(
@@ -216,7 +216,7 @@ impl<E: Engine<K>, const K: usize> LaneGoals<'_, E, K> {
         let run = self.runs.get(self.next)?;
         self.lanes[lane] = self.next;
         self.next += 1;
-        (self.enter)(engine, lane, run.problem.law, &run.start());
+        (self.enter)(engine, lane, &run.start());
         Some(RunState::new(&run.start(), run.params.max_iterations))
     }
 
@@ -248,7 +248,7 @@ impl<E: Engine<K>, const K: usize> Goals<E, K> for LaneGoals<'_, E, K> {
         let number = self.lanes[lane];
         let gradient = gradient_extrema(engine).map(|of| of[lane]);
         let pair = engine.pair(lane).into_owned();
-        let outcome = judged(self.domain, self.runs[number].problem, &pair, end, gradient);
+        let outcome = judged(self.domain, self.runs[number].load, &pair, end, gradient);
         let history = std::mem::take(&mut self.histories[number]);
         self.ends[number] = Some(LevelEnd { outcome, pair, history });
         self.enter_next(engine, lane)
@@ -259,18 +259,18 @@ impl<E: Engine<K>, const K: usize> Goals<E, K> for LaneGoals<'_, E, K> {
 /// value.
 fn judged(
     domain: DiscreteDomain<'_>,
-    LawAndLoad { law, load }: LawAndLoad<'_>,
+    load: &[f64],
     pair: &Pair,
     end: End,
     [gradient_signed, gradient_abs]: [f64; 2],
 ) -> Outcome {
-    let judgement = judge(domain, law, &pair.y, load);
+    let judgement = judge(domain, &pair.y, load);
     let finite = [judgement.energy, gradient_abs, judgement.kkt.natural]
         .iter()
         .all(|value| value.is_finite())
         && judgement.kkt.min_lambda.is_none_or(f64::is_finite);
     let end = End { stop: if finite { end.stop } else { Stop::Diverged }, ..end };
-    let has_solution = has_solution(domain, law, load);
+    let has_solution = has_solution(domain, load);
     let outcome = Outcome::new(end, &judgement, domain.cells(), load, has_solution);
     let (gradient_signed, gradient_abs) = (Some(gradient_signed), Some(gradient_abs));
     Outcome { gradient_signed, gradient_abs, ..outcome }

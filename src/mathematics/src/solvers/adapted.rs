@@ -29,7 +29,6 @@ mod tests;
 use crate::bounds::{Accuracy, Bounds, NoBound};
 use crate::levels::{ProblemError, Watch};
 use crate::mesh::{PlaneMesh, quarter};
-use crate::problem::law::Law;
 use crate::saddle::Monitor;
 use crate::solvers::Refusal;
 use crate::solvers::reach::{Refining, Watcher, reach};
@@ -43,8 +42,6 @@ pub struct Adaption<'a> {
     pub coarsest: &'a PlaneMesh,
     /// f as text.
     pub f: &'a str,
-    /// Law where the boundary is in contact.
-    pub law: Law,
     /// Goal.
     pub goal: Accuracy,
     /// Most nodes of a mesh.

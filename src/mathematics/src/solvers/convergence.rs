@@ -43,7 +43,7 @@ impl Problem {
     /// A sentence if the problem is on a mesh, or cannot be solved, or a factor does not settle.
     pub fn convergence(&self, r: &[f64], measured_r: f64) -> Result<Convergence, String> {
         let case = Case::new(self)?;
-        let mut pair = Pair::zero(case.grid);
+        let mut pair = Pair::zero(&case.network);
         pair.y.fill(1.0);
         let gaps = r.iter().map(|&r| case.gap(r, &mut pair)).collect::<Result<_, _>>()?;
         let contact = case.held.iter().filter(|&&held| held).count();
@@ -66,7 +66,8 @@ impl<'a> Case<'a> {
         let grid = problem.lattices().ok_or("convergence is known on the square")?.finest();
         let solved = solve(problem, &Settings::of(Solver::ActiveSet)).map_err(|e| e.to_string())?;
         let held = solved.pair().a.iter().map(|&a| a > 0.0).collect();
-        Ok(Self { grid, network: Network::of_square(grid), load: problem.load(), held })
+        let network = Network::of_square(grid, Law::SIGNORINI);
+        Ok(Self { grid, network, load: problem.load(), held })
     }
 
     /// Number of iterations in a block: a quarter of what smooth errors take.
@@ -102,7 +103,7 @@ impl<'a> Case<'a> {
 
     /// One iteration on the contact set.
     fn iterate(&self, load: &[f64], r: f64, Pair { y, a }: &mut Pair) {
-        self.network.sweep(load, y, |b, ContactRow { sum, diagonal, measure }| {
+        self.network.sweep(load, y, |b, ContactRow { sum, diagonal, measure, .. }| {
             if self.held[b] {
                 (sum + measure * a[b]) / (diagonal + measure * r)
             } else {
@@ -117,10 +118,10 @@ impl<'a> Case<'a> {
     /// One minus the factor of the method itself from zero, once its contact set stays the final one and the factor has
     /// settled; and the number of iterations.
     fn measured(&self, r: f64) -> Result<(f64, usize), String> {
-        let (method, pair) = (Method::ArrowHurwicz, &Pair::zero(self.grid));
+        let (method, pair) = (Method::ArrowHurwicz, &Pair::zero(&self.network));
         let start = RunStart { load: self.load, method, r, pair };
         let mut lane = Lanes::<1, f64>::new(self.grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
-        lane.enter(0, Law::SIGNORINI, &start);
+        lane.enter(0, &start);
         let state = RunState::new(&start, BLOCKS * self.block());
         let (change, gap) = (f64::NAN, f64::NAN);
         let mut goal = FactorGoal { case: self, last: Vec::new(), change, gap, end: None };

@@ -139,8 +139,8 @@ impl Refusal {
             let is_of_size = matches!(error, InputError::GridSize { .. });
             return if is_of_size { Self::GridSize(error) } else { Self::Input(error) };
         };
-        let Some(sum_load) = reason.integral() else { return Self::Input(error) };
-        Self::Unbalanced { level: problem.name(problem.finest()), sum_load, reason }
+        let (level, sum_load) = (problem.name(problem.finest()), reason.integral);
+        Self::Unbalanced { level, sum_load, reason }
     }
 }
 

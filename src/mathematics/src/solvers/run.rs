@@ -7,10 +7,11 @@ use crate::discrete::network::Network;
 use crate::discrete::norms::largest;
 use crate::discrete::transfer::Prolongation;
 use crate::levels::{Discrete, Problem, ProblemError, read};
-use crate::mesh::{Condition, PlaneMesh};
+use crate::mesh::PlaneMesh;
 use crate::multigrid::active_set::active_set as solve_by_states;
 use crate::multigrid::{Goal, InputError, MultigridParams};
 use crate::multilevel::solve_nested_networks;
+use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::saddle::{Monitor, NestedGrids, NestedRun, Pair, Params, solve_nested_together};
 use crate::spectral::{
@@ -73,23 +74,23 @@ impl TrueSolution {
     /// # Panics
     /// If the problem is in space.
     pub fn at_nodes(&self, problem: &Problem) -> Pair {
-        let (level, law) = (problem.finest(), problem.law());
+        let level = problem.finest();
         let mesh = problem.levels().mesh(level);
         let mesh = mesh.plane().expect("true solutions are in the plane");
         let points = mesh.points();
         let (mut y, mut a) = (self.values(points), Vec::new());
         // Where functions are singular, at corners, the boundary alone has their values.
-        let free = mesh.facets().iter().filter(|facet| mesh.condition(facet) == Condition::Free);
+        let free = mesh.facets().iter().filter(|facet| mesh.law(facet) == Law::FREE);
         for node in free.flat_map(|facet| facet.nodes).map(|node| node as usize) {
             [y[node], _] = self.on_boundary(points[node]);
         }
         for contact in problem.domain(level).contact().iter() {
             let [value, flux] = self.on_boundary(points[contact.node]);
             // What violates the law is an error of the method, which must not be taken for penetration.
-            y[contact.node] = if law.hi().is_infinite() { value.max(0.0) } else { value };
-            a.push(law.project(flux));
+            y[contact.node] = if contact.law.hi().is_infinite() { value.max(0.0) } else { value };
+            a.push(contact.law.project(flux));
         }
-        let fixed = mesh.facets().iter().filter(|facet| mesh.condition(facet) == Condition::Fixed);
+        let fixed = mesh.facets().iter().filter(|facet| mesh.law(facet) == Law::FIXED);
         fixed.flat_map(|facet| facet.nodes).for_each(|node| y[node as usize] = 0.0);
         Pair { y, a }
     }
@@ -112,10 +113,12 @@ pub(super) fn multigrid(
     monitor: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
     let params = MultigridParams { goal: settings.goal, ..MultigridParams::default() };
-    let loaded = problem.law().with_load(problem.load());
+    let load = problem.load();
     let solved = match problem.levels().discrete() {
-        Discrete::Lattices(lattices) => solve_square(lattices.finest().cells(), loaded, &params),
-        Discrete::Networks(networks) => solve_nested_networks(networks, loaded, &params),
+        Discrete::Lattices(lattices) => {
+            solve_square(lattices.finest().cells(), lattices.law().with_load(load), &params)
+        }
+        Discrete::Networks(networks) => solve_nested_networks(networks, load, &params),
     };
     let dimension = problem.levels().facts().dimension;
     match &solved {
@@ -146,13 +149,13 @@ fn by_factors(
     start: Option<&[f64]>,
     monitor: &mut dyn Monitor,
 ) -> Result<FoundSolution, Refusal> {
-    let (law, load) = (problem.law(), problem.load());
+    let load = problem.load();
     monitor.factors(load.len());
     let network = match problem.levels().discrete() {
-        Discrete::Lattices(lattices) => &Network::of_square(lattices.finest()),
+        Discrete::Lattices(lattices) => &Network::of_square(lattices.finest(), lattices.law()),
         Discrete::Networks(networks) => &networks[problem.finest()].network,
     };
-    on_finest(problem, Solver::ActiveSet, solve_by_states(network, law, load, start))
+    on_finest(problem, Solver::ActiveSet, solve_by_states(network, load, start))
 }
 
 /// Judges what a solver returned on the finest level.
@@ -224,13 +227,12 @@ fn run_together(
     runs: &[NestedRun<'_>],
     monitors: &mut [&mut dyn Monitor],
 ) -> Vec<(Vec<Outcome>, Pair)> {
-    let law = problem.law();
     match problem.levels().discrete() {
         Discrete::Lattices(lattices) => {
-            let nested = NestedGrids { grids: lattices.grids(), prolongation };
-            solve_nested_together(&nested, law, runs, monitors)
+            let (grids, law) = (lattices.grids(), lattices.law());
+            solve_nested_together(&NestedGrids { grids, law, prolongation }, runs, monitors)
         }
-        Discrete::Networks(networks) => solve_nested_together(networks, law, runs, monitors),
+        Discrete::Networks(networks) => solve_nested_together(networks, runs, monitors),
     }
 }
 
@@ -278,7 +280,7 @@ fn on_coarsest<T>(
 impl Problem {
     /// True if the spectral solver takes the domain and f, whether or not it then finds the solution.
     pub fn takes_spectral(&self) -> bool {
-        on_coarsest(self, |mesh, f| check_plane(mesh, f, self.law())).is_ok()
+        on_coarsest(self, check_plane).is_ok()
     }
 
     /// True solution on a domain in the plane, without a level.
@@ -287,8 +289,8 @@ impl Problem {
     /// [`Refusal::Spectral`], and [`Refusal::NotInSpace`].
     pub fn true_solution(&self) -> Result<TrueSolution, Refusal> {
         match self.lattices() {
-            Some(lattices) => Ok(true_solution_on_square(lattices.source(), self.law())?),
-            None => on_coarsest(self, |mesh, f| true_solution_on(mesh, f, self.law())),
+            Some(lattices) => Ok(true_solution_on_square(lattices.source(), lattices.law())?),
+            None => on_coarsest(self, true_solution_on),
         }
     }
 }

@@ -257,7 +257,7 @@ impl Solved {
     /// Errors of v on the finest level; none if the solution is not known.
     pub fn errors(&self) -> Option<Errors> {
         let (run, problem) = (self.run()?, &self.problem);
-        let is_known = problem.law().is_signorini();
+        let is_known = problem.is_signorini();
         problem.errors(&run.y).filter(|_| is_known)
     }
 
@@ -295,7 +295,7 @@ impl Problem {
     /// [`NoBound`] if there is none.
     pub fn recovered(&self, pair: &Pair) -> Result<Option<(Self, Pair)>, NoBound> {
         let Some(lattices) = self.lattices() else { return Ok(None) };
-        let y = lattices.recovery(self.law(), &pair.y)?;
+        let y = lattices.recovery(&pair.y)?;
         // The flux balances f, as on the grid.
         let Some(Ok(finer)) = self.on_grid(2 * lattices.finest().cells()) else { return Ok(None) };
         Ok(Some((finer, Pair { y, a: prolong_boundary(&pair.a) })))

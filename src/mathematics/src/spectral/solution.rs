@@ -11,7 +11,7 @@ use super::problem::PlaneProblem;
 use super::proof;
 use super::setup::Setup;
 use super::truth::TrueSolution;
-use crate::mesh::Condition;
+use crate::problem::law::Law;
 use crate::problem::complex::Complex;
 use crate::problem::text::{percent, plain};
 use std::fmt;
@@ -209,15 +209,15 @@ impl PlaneSolution {
             BESIDE.map(|part| self.found_at(ring, self.beside_corners(ring, place, part)));
         // On one of both sides of each condition the number is known without error.
         let (law, contact) = (self.setup.law, &self.found.contact[ring]);
-        let [value, flux] = match own.sides[place.side].condition {
-            Condition::Fixed => [0.0, flux],
-            Condition::Free => [value, 0.0],
-            Condition::Contact if contact.flux(own.along(place), own.length()).is_none() => {
+        let [value, flux] = match own.sides[place.side].law {
+            Law::FIXED => [0.0, flux],
+            Law::FREE => [value, 0.0],
+            _ if contact.flux(own.along(place), own.length()).is_none() => {
                 [0.0, law.project(flux)]
             }
-            Condition::Contact if value < 0.0 && law.hi().is_finite() => [value, law.hi()],
-            Condition::Contact if law.lo().is_finite() => [value, law.lo()],
-            Condition::Contact => [value, law.hi()],
+            _ if value < 0.0 && law.hi().is_finite() => [value, law.hi()],
+            _ if law.lo().is_finite() => [value, law.lo()],
+            _ => [value, law.hi()],
         };
         [domain.frame.of_value() * value, domain.frame.of_flux() * flux]
     }

@@ -48,8 +48,8 @@ pub struct TrueSolution {
 /// # Errors
 /// [`PlaneError`].
 pub(crate) fn true_solution_on_square(f: &Source, law: Law) -> Result<TrueSolution, PlaneError> {
-    let mesh = BuiltIn::Square.plane().expect("the square lies in the plane");
-    let problem = PlaneProblem::on_mesh(&mesh, std::slice::from_ref(f), law)?;
+    let mesh = BuiltIn::Square.plane().expect("the square lies in the plane").with_law(law);
+    let problem = PlaneProblem::on_mesh(&mesh, std::slice::from_ref(f))?;
     let domain = PlaneDomain { parts: Vec::new(), ..problem.domain };
     let starts = GRIDS.into_iter().filter_map(|cells| DiscreteStart::on_square(cells, f, law));
     let found = solved(&PlaneProblem { domain, ..problem }, starts)?;
@@ -64,17 +64,16 @@ pub(crate) fn true_solution_on_square(f: &Source, law: Law) -> Result<TrueSoluti
 pub(crate) fn true_solution_on(
     mesh: &PlaneMesh,
     f: &[Source],
-    law: Law,
 ) -> Result<TrueSolution, PlaneError> {
     let mut all: Option<TrueSolution> = None;
     for component in mesh.split() {
-        let problem = PlaneProblem::on_mesh(&component, f, law)?;
+        let problem = PlaneProblem::on_mesh(&component, f)?;
         let sides = problem.domain.sides().filter(|side| !side.is_after_bend).count() as f64;
         // Short sides want short edges.
         let most_nodes = STARTS.map(|nodes| nodes * (sides / SIDES).max(1.0).powi(2));
         let starts = most_nodes
             .into_iter()
-            .filter_map(|most| DiscreteStart::on_mesh(&component, f, law, most));
+            .filter_map(|most| DiscreteStart::on_mesh(&component, f, most));
         let own = solved(&problem, starts)?;
         all = Some(if let Some(before) = all { before.with(own) } else { own });
     }
@@ -85,10 +84,10 @@ pub(crate) fn true_solution_on(
 ///
 /// # Errors
 /// [`PlaneError`].
-pub(crate) fn check_plane(mesh: &PlaneMesh, f: &[Source], law: Law) -> Result<(), PlaneError> {
+pub(crate) fn check_plane(mesh: &PlaneMesh, f: &[Source]) -> Result<(), PlaneError> {
     mesh.split()
         .iter()
-        .try_for_each(|component| PlaneProblem::on_mesh(component, f, law).map(|_| ()))
+        .try_for_each(|component| PlaneProblem::on_mesh(component, f).map(|_| ()))
 }
 
 /// Solves a problem from the contact sets of discrete solutions in turn.

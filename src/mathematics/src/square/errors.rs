@@ -139,7 +139,7 @@ pub fn multiplier_error(
     exact: impl Fn([f64; 2], [f64; 2]) -> f64,
 ) -> f64 {
     let (n, h) = (grid.cells(), grid.h());
-    let flux = judge(grid, Law::SIGNORINI, y, load).flux;
+    let flux = judge((grid, Law::SIGNORINI), y, load).flux;
     let at = |i: usize| i as f64 * h - 0.5;
     let mut square = 0.0;
     for k in 1..n {

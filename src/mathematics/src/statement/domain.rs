@@ -1,7 +1,8 @@
 //! Domain of a statement: a built-in one or a Gmsh file, and what holds on the parts of its boundary.
 
 use super::StatementError;
-use crate::mesh::{AnyMesh, BuiltIn, Condition, gmsh, uniform_cube};
+use crate::mesh::{AnyMesh, BuiltIn, gmsh, uniform_cube};
+use crate::problem::law::Law;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use unicode_normalization::UnicodeNormalization;
@@ -80,11 +81,10 @@ impl Domain {
             (None, Some(cells)) => uniform_cube(cells).into(),
             (None, None) => AnyMesh::built_in(&self.name).ok_or_else(|| self.unknown())?,
         };
-        let conditions =
-            [("free", &self.free, Condition::Free), ("fixed", &self.fixed, Condition::Fixed)];
+        let conditions = [("free", &self.free, Law::FREE), ("fixed", &self.fixed, Law::FIXED)];
         for (field, parts, condition) in conditions {
             for part in parts {
-                let set = mesh.set_condition(&as_in_mesh(&mesh, part), condition);
+                let set = mesh.set_law(&as_in_mesh(&mesh, part), condition);
                 set.map_err(|e| StatementError::field(field, part, e))?;
             }
         }

@@ -124,14 +124,14 @@ impl Statement {
     /// Warns if the total flux does not balance the load: a difference counts where it exceeds the error of the grid
     /// and the error that the user accepts.
     fn of_force(&self, solved: &Solved, last: &Outcome) -> Option<Warning> {
-        let (problem, law) = (&solved.problem, solved.problem.law());
+        let problem = &solved.problem;
         let (force, load) = (solved.force(), 0.0 - last.sum_load);
         let size = problem.levels().facts().size.abs();
         let accepted = self.accuracy().map_or(0.0, Accuracy::error) * size;
         // A fixed part of the boundary bears the rest.
         let balanced = problem.domain(problem.finest()).has_fixed_part()
             || (force - load).abs() <= slack(problem).max(accepted);
-        (!balanced).then_some(Warning::Force { law, force, load })
+        (!balanced).then(|| Warning::Force { is_papers_law: problem.is_signorini(), force, load })
     }
 }
 

@@ -158,7 +158,7 @@ impl Statement {
             Fineness::Width(cells) => Some(fineness::of_cube(cells)?[0]),
             _ => None,
         };
-        self.domain.mesh(file, cells).map(Some)
+        Ok(Some(self.domain.mesh(file, cells)?.with_law(self.law()?)))
     }
 
     /// Number of refinements of the coarsest mesh; where an accuracy is asked for, those on which is seen whether there
@@ -181,14 +181,13 @@ impl Statement {
         mesh: Option<&AnyMesh>,
         watch: Watch<'_>,
     ) -> Result<Problem, StatementError> {
-        let law = self.law()?;
         let Some(mesh) = mesh else {
             let f = self.f.parse().map_err(|e: SourceError| StatementError::field("f", "", e))?;
             let rule = self.load.unwrap_or(Self::LOAD);
-            return Ok(Problem::on_square(self.grids()?, f, rule, law)?);
+            return Ok(Problem::on_square(self.grids()?, f, rule, self.law()?)?);
         };
         let times = self.refinements(mesh)?;
-        Ok(Problem::on_mesh_watched((mesh, times), &self.f, law, watch)?)
+        Ok(Problem::on_mesh_watched((mesh, times), &self.f, watch)?)
     }
 
     /// Checks that there is a problem to be solved, unless its meshes have more nodes than the usual ones. Returns what
@@ -213,7 +212,7 @@ impl Statement {
     /// # Errors
     /// [`StatementError::Problem`]. That f cannot be balanced is none.
     pub fn check_f(&self, coarsest: &AnyMesh) -> Result<(), StatementError> {
-        match Problem::on_mesh_watched((coarsest, 0), &self.f, self.law()?, &|_| ()) {
+        match Problem::on_mesh_watched((coarsest, 0), &self.f, &|_| ()) {
             Err(e @ (ProblemError::Source(_) | ProblemError::NotFinite)) => Err(e.into()),
             _ => Ok(()),
         }
@@ -261,7 +260,7 @@ impl Statement {
         marks: &[Vec<u32>],
     ) -> Result<Problem, StatementError> {
         let mesh = mesh.plane().ok_or(Refusal::NotInPlane)?;
-        Ok(Problem::on_bisected(mesh, marks, &self.f, self.law()?)?)
+        Ok(Problem::on_bisected(mesh, marks, &self.f)?)
     }
 
     /// Solves what is stated, with all memory that it takes; the mesh is read from the contents of the Gmsh file unless
@@ -337,14 +336,14 @@ impl Statement {
             let first = first.map_err(Refusal::from)?;
             return reach(Grids::new(first, settings, goal, memory, steps), goal, watcher);
         }
-        let (f, law) = (&problem.levels().facts().f.clone(), problem.law());
+        let f = &problem.levels().facts().f.clone();
         let coarsest = problem.levels().mesh(0).into_owned();
         let coarsest = coarsest.plane().ok_or(Refusal::NotInPlane)?;
         // The adapted meshes take its place.
         drop(problem);
         let (most_nodes, bisections) = (memory.adapted_nodes(), Adaption::BISECTIONS);
         let mut solved =
-            Adaption { coarsest, f, law, goal, most_nodes, bisections }.run(watcher, steps)?;
+            Adaption { coarsest, f, goal, most_nodes, bisections }.run(watcher, steps)?;
         if let Some(Reached { end, .. }) = &mut solved.reached
             && let ReachEnd::Finest { best, .. } = *end
             && memory.is_limited()

@@ -187,7 +187,7 @@ fn shape(pair: &Pair, scene: &Scene) -> Value {
         "least": pair.y.iter().copied().reduce(f64::min),
         "greatest": pair.y.iter().copied().reduce(f64::max),
         // Boundary nodes in contact.
-        "contact": pair.in_contact(scene.finest(), scene.law()).into_iter().filter(|&contact| contact).count(),
+        "contact": pair.in_contact((scene.finest(), scene.law())).into_iter().filter(|&contact| contact).count(),
         // Contact force: the sum of h times the multiplier over the boundary.
         "force": scene.finest().h() * pair.a.iter().sum::<f64>(),
     })

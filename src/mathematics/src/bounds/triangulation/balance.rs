@@ -6,9 +6,9 @@ use super::cells::{COST, Cells};
 use super::forest::CellForest;
 use crate::bounds::boundary::{BoundaryPart, PartLaw, shift_to_sum};
 use crate::machine::threads::{for_runs, items_per_task};
-use crate::mesh::{BoundarySide, Condition, Sides, measure};
-use crate::problem::law::Law;
-use crate::problem::unsolvable::{Component, Unsolvable};
+use crate::mesh::{BoundarySide, Sides, measure};
+use crate::problem::law::{Law, LawSum};
+use crate::problem::unsolvable::Component;
 use std::cmp::Ordering;
 
 /// Distance of fluxes from the ends of a bounded interval, over the largest flux.
@@ -20,22 +20,34 @@ struct Outlet {
     side: u32,
     /// Cell of the side.
     cell: u32,
-    /// True if the flux may have any sign.
-    is_fixed: bool,
+    /// Law of the side.
+    law: Law,
     /// Length or area.
     measure: f64,
-    /// Distance of the flux from the ends of the interval of the law.
+    /// Distance of the flux from the ends of its interval; on a fixed side the flux.
     room: f64,
     /// Absolute value of the flux.
     size: f64,
 }
 
 impl Outlet {
+    /// The outlet, where this is the flux.
+    fn with(self, flux: f64) -> Self {
+        let room = if self.law == Law::FIXED { flux } else { self.interval().room(flux) };
+        Self { room, size: flux.abs(), ..self }
+    }
+
+    /// Interval of the flux.
+    fn interval(&self) -> PartLaw {
+        PartLaw::new(self.law, self.measure)
+    }
+
     /// Order by fitness for what is left in the end: fixed sides first, then sides with much room, for the paper's law
     /// much outflow. Of two sides with equal room, the one with the smaller flux.
     fn compare(&self, other: &Self) -> Ordering {
-        let by_condition = other.is_fixed.cmp(&self.is_fixed);
-        let by_room = by_condition.then(other.room.total_cmp(&self.room));
+        let is_fixed = |outlet: &Self| outlet.law == Law::FIXED;
+        let by_law = is_fixed(other).cmp(&is_fixed(self));
+        let by_room = by_law.then(other.room.total_cmp(&self.room));
         by_room.then(self.size.total_cmp(&other.size))
     }
 }
@@ -59,13 +71,11 @@ pub(super) fn balance<const D: usize, const V: usize>(
     let masses = cells.masses();
     let mut outlets = Vec::with_capacity(forest.trees());
     for (tree, of_tree) in outlets_of_trees(cells, sides, forest, flux).into_iter().enumerate() {
-        let best = of_tree.iter().min_by(|one, two| one.compare(two));
-        let best = *best.ok_or(Unsolvable::Insulated { component: None })?;
-        outlets.push(match best.is_fixed {
-            true => best,
-            false => {
+        outlets.push(match of_tree.iter().min_by(|one, two| one.compare(two)) {
+            Some(best) if best.law == Law::FIXED => *best,
+            _ => {
                 let integral = forest.cells(tree).iter().map(|&cell| masses[cell as usize]).sum();
-                balance_outflows(cells.law, of_tree, integral, flux)?.unwrap_or(best)
+                balance_outflows(of_tree, integral, flux)?
             }
         });
     }
@@ -78,12 +88,12 @@ pub(super) fn balance<const D: usize, const V: usize>(
         }
     });
     forest.carry_to_roots(sides, flux, &mut missing);
-    for (tree, Outlet { side, cell, is_fixed, measure, .. }) in outlets.into_iter().enumerate() {
+    for (tree, outlet) in outlets.into_iter().enumerate() {
         let outflow = missing[forest.root(tree) as usize];
-        forest.carry_from_root(sides, flux, cell, outflow);
-        flux[side as usize] += outflow;
-        let law = PartLaw::new(cells.law, measure);
-        if !is_fixed && law.room(flux[side as usize]) < 0.0 {
+        forest.carry_from_root(sides, flux, outlet.cell, outflow);
+        let flux = &mut flux[outlet.side as usize];
+        *flux += outflow;
+        if outlet.interval().room(*flux) < 0.0 {
             return Err(NoBound::NotBalanced);
         }
     }
@@ -100,58 +110,46 @@ fn outlets_of_trees<const D: usize, const V: usize>(
     let mesh = cells.mesh;
     let boundary = sides.of_facets().iter();
     let largest = boundary.fold(0.0f64, |most, at| most.max(flux[at.side as usize].abs()));
-    // Sums of parts at an end of the interval may exceed the end by rounding; and where all parts are at ends, the
-    // outlet has room for rounding errors nevertheless.
-    let room = if cells.law.is_bounded() { ROOM * largest } else { 0.0 };
     let mut outlets = vec![Vec::new(); forest.trees()];
     for (facet, &BoundarySide { side, cell }) in mesh.facets().iter().zip(sides.of_facets()) {
-        let condition = mesh.condition(facet);
-        if condition != Condition::Free {
+        let law = mesh.law(facet);
+        if law != Law::FREE {
             let measure = measure(mesh.corners(facet));
-            let (law, is_fixed) = (PartLaw::new(cells.law, measure), condition == Condition::Fixed);
+            let outlet = Outlet { side, cell, law, measure, room: 0.0, size: 0.0 };
+            // Sums of parts at an end of the interval may exceed the end by rounding; and where all parts are at ends,
+            // the outlet has room for rounding errors nevertheless.
+            let room = if law.is_bounded() { ROOM * largest } else { 0.0 };
             let flux = &mut flux[side as usize];
-            if !is_fixed {
-                *flux = law.within(room).clamp(*flux);
-            }
-            outlets[forest.tree_of[cell as usize] as usize].push(Outlet {
-                side,
-                cell,
-                is_fixed,
-                measure,
-                room: law.room(*flux),
-                size: flux.abs(),
-            });
+            *flux = outlet.interval().within(room).clamp(*flux);
+            outlets[forest.tree_of[cell as usize] as usize].push(outlet.with(*flux));
         }
     }
     outlets
 }
 
 /// Changes the outflows through the boundary of a component without fixed sides until they balance the integral of f
-/// there; returns the outlet with most room if the law is bounded.
+/// there; returns the best outlet.
 fn balance_outflows(
-    law: Law,
-    mut outlets: Vec<Outlet>,
+    outlets: Vec<Outlet>,
     integral: f64,
     flux: &mut [f64],
-) -> Result<Option<Outlet>, NoBound> {
-    let perimeter = outlets.iter().map(|outlet| outlet.measure).sum();
-    Component { has_parts: true, ..Component::in_contact(perimeter, integral) }.check(law, 0.0)?;
-    let part = |outlet: &Outlet| BoundaryPart {
-        flux: flux[outlet.side as usize],
-        measure: outlet.measure,
-    };
-    let mut parts: Vec<_> = outlets.iter().map(part).collect();
-    if law.is_bounded() {
-        shift_to_sum(law, &mut parts, -integral);
-    } else {
-        scale_to_sum(law, &mut parts, -integral);
+) -> Result<Outlet, NoBound> {
+    let (mut laws, mut parts) = (LawSum::default(), Vec::with_capacity(outlets.len()));
+    for outlet in &outlets {
+        let (flux, law) = (flux[outlet.side as usize], outlet.interval());
+        laws.add(outlet.law, outlet.measure);
+        parts.push(BoundaryPart { flux, measure: outlet.measure, law });
     }
-    for (outlet, part) in outlets.iter_mut().zip(parts) {
+    Component { number: None, has_parts: true, laws, integral }.check(0.0)?;
+    match laws.only().filter(|law| !law.is_bounded()) {
+        Some(law) => scale_to_sum(law, &mut parts, -integral),
+        None => shift_to_sum(&mut parts, -integral),
+    }
+    let changed = outlets.into_iter().zip(&parts).map(|(outlet, part)| {
         flux[outlet.side as usize] = part.flux;
-        outlet.room = PartLaw::new(law, part.measure).room(part.flux);
-        outlet.size = part.flux.abs();
-    }
-    Ok(outlets.into_iter().min_by(Outlet::compare).filter(|_| law.is_bounded()))
+        outlet.with(part.flux)
+    });
+    Ok(changed.min_by(Outlet::compare).expect("a boundary that is not free"))
 }
 
 /// Scales what fluxes exceed the finite end of an interval by until their sum is `sum`.

@@ -3,8 +3,7 @@
 
 use crate::bounds::boundary::PartLaw;
 use crate::machine::threads::{for_runs, items_per_task};
-use crate::mesh::{CellData, Condition, Element, Facet, Mesh, Sides, measure, volume};
-use crate::problem::law::Law;
+use crate::mesh::{CellData, Element, Facet, Mesh, Sides, measure, volume};
 
 /// Numbers whose work takes as long as that on a cell.
 pub(super) const COST: usize = 8;
@@ -17,18 +16,12 @@ pub(super) struct Cells<'a, const D: usize, const V: usize> {
     pub w: &'a [f64],
     /// f on the cells.
     pub f: &'a CellData,
-    /// Law on the boundary in contact.
-    pub law: Law,
 }
 
 impl<const D: usize, const V: usize> Cells<'_, D, V> {
     /// Interval of the flux through a facet of the boundary.
     pub(super) fn interval(&self, facet: &Facet<D>) -> PartLaw {
-        match self.mesh.condition(facet) {
-            Condition::Free => PartLaw { least: 0.0, most: 0.0 },
-            Condition::Fixed => PartLaw { least: f64::NEG_INFINITY, most: f64::INFINITY },
-            Condition::Contact => PartLaw::new(self.law, measure(self.mesh.corners(facet))),
-        }
+        PartLaw::new(self.mesh.law(facet), measure(self.mesh.corners(facet)))
     }
 
     /// Puts a flux through the facets that exceeds a limit of the law within it: where a limit is met, rounding decides

@@ -4,9 +4,9 @@
 use super::SideOutflow;
 use super::cells::Cells;
 use super::few::FewNumbers;
-use super::reaction::OpenNode;
+use super::reaction::{OpenFacet, OpenNode};
 use super::tetrahedra::Tetrahedron;
-use crate::mesh::{Condition, Facet, Mesh, Neighbour, Sides, difference, measure};
+use crate::mesh::{Facet, Mesh, Neighbour, Sides, difference, measure};
 
 /// Cell of a fan: the node and, in the order of the cell, three others a, b and c.
 #[derive(Clone, Copy, Debug)]
@@ -173,38 +173,21 @@ impl<'a, const D: usize, const V: usize> Fan<'a, D, V> {
         }
         let mut kept = 0.0;
         if !self.is_closed() {
-            // Each of the D nodes of a facet has the same part of the facet.
-            let part = self.measure(Condition::Contact) / D as f64;
-            let (w, fixed) = (self.cells.w[self.node as usize], self.measure(Condition::Fixed));
-            let node = OpenNode { w, stiffness, part, fixed };
-            let [contact, through_fixed] = node.let_out(self.cells.law, reaction);
-            self.let_out(Condition::Contact, contact);
-            self.let_out(Condition::Fixed, through_fixed);
-            kept = contact + through_fixed;
+            let mut facets = Vec::with_capacity(self.outlets.len());
+            for outlet in &self.outlets {
+                let facet = self.facet(*outlet);
+                let (law, measure) = (self.mesh.law(facet), measure(self.mesh.corners(facet)));
+                facets.push(OpenFacet { law, measure, outflow: 0.0 });
+            }
+            let w = self.cells.w[self.node as usize];
+            kept = OpenNode::<D> { w, stiffness }.let_out(&mut facets, reaction);
+            for (outlet, OpenFacet { outflow, .. }) in self.outlets.iter().zip(facets) {
+                self.members[outlet.member].outflows[outlet.slot] = outflow;
+            }
         }
         let density = (reaction - kept) / volume;
         for member in &mut self.members {
             member.wanted -= density * member.shape.volume();
-        }
-    }
-
-    /// Measure of the facets at the node with this condition.
-    fn measure(&self, condition: Condition) -> f64 {
-        let facets = self.outlets.iter().map(|outlet| self.facet(*outlet));
-        let open = facets.filter(|facet| self.mesh.condition(facet) == condition);
-        open.map(|facet| measure(self.mesh.corners(facet))).sum()
-    }
-
-    /// Spreads an outflow over the facets with this condition in proportion to their measures.
-    fn let_out(&mut self, condition: Condition, outflow: f64) {
-        let total = self.measure(condition);
-        for place in 0..self.outlets.len() {
-            let outlet = self.outlets[place];
-            let facet = self.facet(outlet);
-            if self.mesh.condition(facet) == condition {
-                let share = measure(self.mesh.corners(facet)) / total;
-                self.members[outlet.member].outflows[outlet.slot] = outflow * share;
-            }
         }
     }
 

@@ -10,7 +10,8 @@ use super::BoundedProblem;
 use super::cells::{COST, at_nodes, gradient};
 use super::linear::product;
 use crate::machine::threads::{among_threads, for_runs, items_per_task, map_range};
-use crate::mesh::{BoundarySide, Condition, Element, Mesh, Sides, dot};
+use crate::mesh::{BoundarySide, Element, Mesh, Sides, dot};
+use crate::problem::law::Law;
 
 /// Rounding errors of a residual, in roundings of its terms.
 const ROUNDINGS: f64 = 64.0;
@@ -105,7 +106,7 @@ fn bubbles<const D: usize, const V: usize>(
         }
     }
     for (facet, &BoundarySide { side, cell }) in mesh.facets().iter().zip(sides.of_facets()) {
-        if mesh.condition(facet) != Condition::Free {
+        if mesh.law(facet) != Law::FREE {
             let (nodes, opposite) = (&mesh.cells()[cell as usize], sides.slot(cell, side));
             for ends in pairs::<V>().filter(|ends| !ends.contains(&opposite)) {
                 let edge = sides.edge(cell, nodes, ends);

@@ -73,7 +73,7 @@ use super::{Bounds, LEAST_MASS, NoBound, below_zero, root};
 use crate::discrete::network::Network;
 use crate::machine::threads::{items_per_task, join, map_with_room};
 use crate::mesh::{Element, Mesh, MeshLoad, Sides, dot, is_stretched, size, volume};
-use crate::problem::law::Law;
+use crate::problem::law::ContactNode;
 use around::FirstCells;
 use balance::balance;
 use cells::Cells;
@@ -99,12 +99,10 @@ pub(crate) struct BoundedProblem<'a, const D: usize, const V: usize> {
     pub mesh: &'a Mesh<D, V>,
     /// Sides of its cells.
     pub sides: &'a Sides<V>,
-    /// Discrete problem with the present conditions of the mesh.
+    /// Discrete problem with the present laws of the mesh.
     pub network: &'a Network,
     /// f on the mesh.
     pub f: &'a MeshLoad,
-    /// Law on the boundary in contact.
-    pub law: Law,
 }
 
 /// Bounds with their parts.
@@ -133,11 +131,11 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
     /// # Panics
     /// If `y`, the network and the mesh have not the same number of nodes, or f is not that of the mesh.
     pub(crate) fn bounds(&self, y: &[f64]) -> Result<LocalBounds, NoBound> {
-        let &Self { mesh, network, f, law, .. } = self;
+        let &Self { mesh, network, f, .. } = self;
         assert_eq!([y.len(), network.nodes(), f.load.len()], [mesh.points().len(); 3]);
         let deviations = f.cells.deviation.as_ref().map_or(f.cells.mean.len(), Vec::len);
         assert_eq!([f.cells.mean.len(), deviations], [mesh.cells().len(); 2]);
-        let w = admissible(network, Slips::of_law(law), y);
+        let w = admissible(network, Slips::ALL, y);
         let forest = OnceLock::new();
         let (found, slips) = self.bounds_through(&w, y, &forest)?;
         // An end of the interval that no reaction reaches plays no part, and values that slip to it are errors.
@@ -159,10 +157,10 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
         y: &[f64],
         forest: &OnceLock<CellForest>,
     ) -> Result<(Result<LocalBounds, NoBound>, Slips), NoBound> {
-        let &Self { mesh, sides, network, f, law } = self;
-        let cells = Cells { mesh, w, f: &f.cells, law };
+        let &Self { mesh, sides, network, f } = self;
+        let cells = Cells { mesh, w, f: &f.cells };
         let mut flux = equilibrated(&cells, sides, network, forest)?;
-        let summands = Summands { mesh, sides, f, y, w, law, flux: &flux };
+        let summands = Summands { mesh, sides, f, y, w, flux: &flux };
         let totals = summands.totals();
         let distance = totals.0.distance;
         if D != 2 || w.len() > MOST_NODES || !is_in_stretched_cells(mesh, &totals.1) {
@@ -170,13 +168,13 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
         }
         let forest = forest.get().expect("found for the flux");
         circulate_quadratic(&cells, sides, forest, distance, &mut flux);
-        let summands = Summands { mesh, sides, f, y, w, law, flux: &flux };
+        let summands = Summands { mesh, sides, f, y, w, flux: &flux };
         Ok((combined(&summands, summands.totals()), summands.slips()))
     }
 
     /// Adds the lower bound of the error to bounds for a nodal vector.
     pub(crate) fn with_lower(&self, mut bounds: Bounds, y: &[f64]) -> Bounds {
-        let w = admissible(self.network, Slips::of_law(self.law), y);
+        let w = admissible(self.network, Slips::ALL, y);
         let mut moved = 0.0;
         if w != y {
             for cell in self.mesh.cells() {
@@ -265,20 +263,16 @@ fn segments<const D: usize, const V: usize>(summands: &Summands<'_, D, V>) -> Op
     Some(0.5 * shares?.iter().map(|share| share.square).sum::<f64>())
 }
 
-/// Nodal vector of a function in K: values in contact whose signs are left out, and all fixed values, are replaced by
-/// zero.
+/// Nodal vector of a function in K: values whose signs the law of the node does not allow, or that are left out, are
+/// replaced by zero.
 fn admissible<'a>(network: &Network, slips: Slips, y: &'a [f64]) -> Cow<'a, [f64]> {
-    let is_kept = |value: f64| value == 0.0 || slips.keep(value) != 0.0;
-    let is_in_k = network.contact().iter().all(|contact| is_kept(y[contact.node]))
-        && network.fixed().iter().all(|&node| y[node as usize] == 0.0);
-    if is_in_k {
+    let kept = |contact: &ContactNode| slips.and(contact.law).keep(y[contact.node]);
+    let is_kept = |contact: &ContactNode| y[contact.node] == 0.0 || kept(contact) != 0.0;
+    if network.boundary().iter().all(is_kept) {
         return Cow::Borrowed(y);
     }
     let mut w = y.to_vec();
-    for contact in network.contact() {
-        w[contact.node] = slips.keep(w[contact.node]);
-    }
-    network.fixed().iter().for_each(|&node| w[node as usize] = 0.0);
+    network.boundary().iter().for_each(|contact| w[contact.node] = kept(contact));
     Cow::Owned(w)
 }
 

@@ -13,7 +13,7 @@ use crate::discrete::network::{Coupling, Network};
 use crate::mesh::{Element, Sides, volume};
 use crate::multigrid::{Goal, MultigridParams};
 use crate::multilevel::{Start, improve_on_nested_networks};
-use crate::problem::law::Law;
+use crate::problem::law::{Law, LawSum};
 
 /// Times that psi is found while the flux through some facets may change, at most.
 const MOST_TIMES: usize = 3;
@@ -118,8 +118,7 @@ impl<'a, const D: usize, const V: usize> QuadraticStream<'a, D, V> {
         let params = MultigridParams { goal, max_cycles: MOST_STEPS, ..MultigridParams::default() };
         let networks = [NestedNetwork { network: self.network(forest), parents: Vec::new() }];
         let start = Start { y: None, is_slow: true };
-        let problem = Law::SIGNORINI.with_load(&load);
-        let found = improve_on_nested_networks(&networks, problem, start, &params).ok()?;
+        let found = improve_on_nested_networks(&networks, &load, start, &params).ok()?;
         Some(self.unknowns.iter().map(|&unknown| found.y[unknown as usize]).collect())
     }
 
@@ -184,8 +183,9 @@ impl<'a, const D: usize, const V: usize> QuadraticStream<'a, D, V> {
         }
         couplings.retain(|coupling| coupling.nodes[0] != coupling.nodes[1]);
         let first = |tree| self.unknown(self.nodes(forest.root(tree))[0]);
-        let kept = (0..forest.trees()).map(first).collect();
-        Network::new(&couplings, Vec::new(), kept, vec![1.0; self.count])
+        let kept = (0..forest.trees())
+            .map(|tree| LawSum::of(Law::FIXED, 1.0).at_node(first(tree) as usize));
+        Network::new(&couplings, kept.collect(), vec![1.0; self.count])
     }
 
     fn unknown(&self, place: u32) -> u32 {

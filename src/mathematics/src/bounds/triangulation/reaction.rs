@@ -1,35 +1,60 @@
 //! The part of a reaction at a node that leaves through the boundary.
 
-use crate::bounds::boundary::PartLaw;
-use crate::problem::law::Law;
+use crate::bounds::boundary::{BoundaryPart, PartLaw, shift_to_sum};
+use crate::problem::law::{Law, LawSum};
 
-/// Node of the boundary.
+/// Facet at a node of the boundary.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct OpenNode {
+pub(super) struct OpenFacet {
+    /// Law on the facet.
+    pub law: Law,
+    /// Length or area.
+    pub measure: f64,
+    /// Outflow for a reaction at the node.
+    pub outflow: f64,
+}
+
+/// Node of the boundary of a domain in D dimensions.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OpenNode<const D: usize> {
     /// Value of w.
     pub w: f64,
     /// Square of the norm of the gradient of the hat function.
     pub stiffness: f64,
-    /// Integral of the hat function over the boundary in contact.
-    pub part: f64,
-    /// Measure of the fixed facets at the node.
-    pub fixed: f64,
 }
 
-impl OpenNode {
-    /// Outflows through the boundary in contact and the fixed boundary: the reaction as far as the law allows.
+impl<const D: usize> OpenNode<D> {
+    /// Lets the reaction out through the facets as far as their laws allow, each in proportion to its measure; through
+    /// the fixed ones alone if there are any. Returns the outflow.
     ///
     /// Where w is not zero, a reaction beyond the end of the interval to which w slips does work on w, and one that is
     /// left to the cells lengthens the distance from `grad w`. The sum of both is about least for the reaction that is
     /// left after the best change of w at this node alone.
-    pub(super) fn let_out(self, law: Law, reaction: f64) -> [f64; 2] {
-        let Self { w, stiffness, part, fixed } = self;
-        if fixed > 0.0 {
-            let beside = part * law.project(0.0);
-            return [beside, reaction - beside];
+    pub(super) fn let_out(self, facets: &mut [OpenFacet], reaction: f64) -> f64 {
+        let Self { w, stiffness } = self;
+        let (mut laws, mut fixed) = (LawSum::default(), 0.0);
+        for facet in &*facets {
+            laws.add(facet.law, facet.measure);
+            fixed += if facet.law == Law::FIXED { facet.measure } else { 0.0 };
         }
+        // Each of the D nodes of a facet has the same part of the facet.
+        let part = |law: Law, measure: f64| PartLaw::new(law, measure / D as f64);
         let left = if w == 0.0 { reaction } else { reaction - stiffness * w };
-        [if part > 0.0 { PartLaw::new(law, part).clamp(left) } else { 0.0 }, 0.0]
+        let outflow = part(laws.mean(), laws.measure).clamp(left);
+        let whole = if fixed > 0.0 { fixed } else { laws.measure };
+        let mut parts = Vec::with_capacity(facets.len());
+        for &OpenFacet { law, measure, .. } in &*facets {
+            let is_open = law != Law::FREE && (law == Law::FIXED || fixed == 0.0);
+            let flux = if is_open { outflow * (measure / whole) } else { 0.0 };
+            parts.push(BoundaryPart { flux, measure, law: part(law, measure) });
+        }
+        let is_outside = |part: &BoundaryPart| part.law.clamp(part.flux) != part.flux;
+        if laws.only().is_none() && parts.iter().any(is_outside) {
+            parts.iter_mut().for_each(|part| part.flux = part.law.clamp(part.flux));
+            shift_to_sum(&mut parts, outflow);
+        }
+        facets.iter_mut().zip(parts).for_each(|(facet, part)| facet.outflow = part.flux);
+        outflow
     }
 }
 
@@ -37,18 +62,30 @@ impl OpenNode {
 mod tests {
     use super::*;
 
+    /// Outflows through facets of one length each with these laws.
+    fn outflows(node: OpenNode<2>, laws: [Law; 2], reaction: f64) -> [f64; 2] {
+        let mut facets = laws.map(|law| OpenFacet { law, measure: 0.5, outflow: f64::NAN });
+        let sum = node.let_out(&mut facets, reaction);
+        let found = facets.map(|facet| facet.outflow);
+        assert_eq!(found[0] + found[1], sum);
+        found
+    }
+
     #[test]
     fn only_what_belongs_to_the_contact_leaves() {
-        let node = OpenNode { w: 0.0, stiffness: 4.0, part: 0.5, fixed: 0.0 };
-        let law = Law::SIGNORINI;
-        assert_eq!(node.let_out(law, 3.0), [3.0, 0.0]);
-        assert_eq!(node.let_out(law, -3.0), [0.0, 0.0]);
+        let node = OpenNode { w: 0.0, stiffness: 4.0 };
+        let (law, friction) = (Law::SIGNORINI, Law::friction(1.0).unwrap());
+        assert_eq!(outflows(node, [law; 2], 3.0), [1.5, 1.5]);
+        assert_eq!(outflows(node, [law; 2], -3.0), [0.0, 0.0]);
         // A value far from the contact, and one that an iteration has not yet brought to zero.
-        assert_eq!(OpenNode { w: 2.0, ..node }.let_out(law, 3.0), [0.0, 0.0]);
-        assert_eq!(OpenNode { w: 0.25, ..node }.let_out(law, 3.0), [2.0, 0.0]);
-        let friction = Law::friction(1.0).unwrap();
-        assert_eq!(OpenNode { w: 2.0, ..node }.let_out(friction, -0.4), [-0.5, 0.0]);
-        assert_eq!(OpenNode { w: -2.0, ..node }.let_out(friction, 0.3), [0.5, 0.0]);
-        assert_eq!(OpenNode { fixed: 1.0, ..node }.let_out(law, -3.0), [0.0, -3.0]);
+        assert_eq!(outflows(OpenNode { w: 2.0, ..node }, [law; 2], 3.0), [0.0, 0.0]);
+        assert_eq!(outflows(OpenNode { w: 0.25, ..node }, [law; 2], 3.0), [1.0, 1.0]);
+        assert_eq!(outflows(OpenNode { w: 2.0, ..node }, [friction; 2], -0.4), [-0.25, -0.25]);
+        assert_eq!(outflows(OpenNode { w: -2.0, ..node }, [friction; 2], 0.3), [0.25, 0.25]);
+        assert_eq!(outflows(node, [law, Law::FREE], 3.0), [3.0, 0.0]);
+        assert_eq!(outflows(node, [law, Law::FIXED], -3.0), [0.0, -3.0]);
+        // Each facet keeps to its law.
+        assert_eq!(outflows(node, [law, friction], 3.0), [2.75, 0.25]);
+        assert_eq!(outflows(node, [law, friction], -3.0), [0.0, -0.25]);
     }
 }

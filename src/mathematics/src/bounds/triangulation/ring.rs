@@ -3,9 +3,9 @@
 
 use super::SideOutflow;
 use super::cells::Cells;
-use super::reaction::OpenNode;
+use super::reaction::{OpenFacet, OpenNode};
 use super::triangles::Triangle;
-use crate::mesh::{Condition, Facet, Neighbour, Sides, measure};
+use crate::mesh::{Facet, Neighbour, Sides, measure};
 
 /// Cell of a ring: the node z and, in the positive sense, two others a and b.
 #[derive(Clone, Copy, Debug)]
@@ -178,22 +178,13 @@ impl<'a, const D: usize, const V: usize> Ring<'a, D, V> {
     /// Outflows through two facets of the boundary for a reaction at the node; see [`OpenNode::let_out`].
     fn let_out(&self, ends: [u32; 2], reaction: f64) -> [f64; 2] {
         let mesh = self.cells.mesh;
-        let facets: [&Facet<D>; 2] = ends.map(|facet| &mesh.facets()[facet as usize]);
-        let lengths = facets.map(|facet| measure(mesh.corners(facet)));
-        let conditions = facets.map(|facet| mesh.condition(facet));
-        let measure_of = |condition| {
-            let both = conditions.iter().zip(lengths).filter(|(of, _)| **of == condition);
-            both.map(|(_, length)| length).sum::<f64>()
-        };
-        let [contact, fixed] = [Condition::Contact, Condition::Fixed].map(measure_of);
-        let w = self.cells.w[self.node as usize];
-        let node = OpenNode { w, stiffness: self.stiffness, part: 0.5 * contact, fixed };
-        let [of_contact, of_fixed] = node.let_out(self.cells.law, reaction);
-        std::array::from_fn(|k| match conditions[k] {
-            Condition::Contact => of_contact * (lengths[k] / contact),
-            Condition::Fixed => of_fixed * (lengths[k] / fixed),
-            Condition::Free => 0.0,
-        })
+        let mut facets = ends.map(|facet| {
+            let facet: &Facet<D> = &mesh.facets()[facet as usize];
+            OpenFacet { law: mesh.law(facet), measure: measure(mesh.corners(facet)), outflow: 0.0 }
+        });
+        let (w, stiffness) = (self.cells.w[self.node as usize], self.stiffness);
+        OpenNode::<D> { w, stiffness }.let_out(&mut facets, reaction);
+        facets.map(|facet| facet.outflow)
     }
 
     /// Lists the outflows through all sides at the node.

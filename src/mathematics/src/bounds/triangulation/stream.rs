@@ -8,7 +8,8 @@
 use super::cells::Cells;
 use super::triangles::Triangle;
 use crate::discrete::network::Network;
-use crate::mesh::{BoundarySide, Condition, Sides};
+use crate::mesh::{BoundarySide, Sides};
+use crate::problem::law::Law;
 
 /// Bounds of psi at a node of the boundary by a facet in contact, relative to psi at the other end.
 #[derive(Clone, Copy)]
@@ -78,7 +79,7 @@ impl Stream {
         let (mesh, nodes) = (cells.mesh, cells.w.len());
         let (mut places, mut boundary) = (vec![INNER; nodes], Vec::new());
         for (facet, &BoundarySide { side, .. }) in mesh.facets().iter().zip(sides.of_facets()) {
-            let condition = mesh.condition(facet);
+            let law = mesh.law(facet);
             for (k, node) in facet.nodes.into_iter().enumerate() {
                 let place = &mut places[node as usize];
                 if *place == INNER {
@@ -87,8 +88,8 @@ impl Stream {
                 }
                 let end: &mut StreamEnd = &mut boundary[*place as usize];
                 end.facets += 1;
-                end.is_free |= condition == Condition::Free;
-                if condition == Condition::Contact {
+                end.is_free |= law == Law::FREE;
+                if law.may_move() {
                     let law = cells.interval(facet);
                     let outflow = flux[side as usize];
                     let [above, below] = [outflow - law.least, law.most - outflow];

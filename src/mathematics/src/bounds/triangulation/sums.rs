@@ -5,9 +5,8 @@ use super::linear::{SideFlux, at_vertices, largest_square, outflows, product};
 use crate::bounds::boundary::{PartLaw, Slips, mean_product};
 use crate::machine::threads::in_tasks;
 use crate::mesh::{
-    BoundarySide, Condition, Element, Mesh, MeshLoad, Sides, difference, dot, measure, size, sorted,
+    BoundarySide, Element, Facet, Mesh, MeshLoad, Sides, difference, dot, measure, size, sorted,
 };
-use crate::problem::law::Law;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -93,8 +92,6 @@ pub(super) struct Summands<'a, const D: usize, const V: usize> {
     pub y: &'a [f64],
     /// Nodal vector in K.
     pub w: &'a [f64],
-    /// Law on the boundary in contact.
-    pub law: Law,
     /// Fluxes through all sides.
     pub flux: &'a [SideFlux<D>],
 }
@@ -129,23 +126,24 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
         is_exact.then(|| halved_product(&self.f.load, self.w))
     }
 
-    /// Ends of the interval of the law that the flux through the boundary reaches; both ends of one that is not bounded
-    /// count as reached if finite.
+    /// Ends of the intervals of the laws that the flux through the boundary reaches; finite ends of intervals that are
+    /// not bounded count as reached.
     pub(super) fn slips(&self) -> Slips {
-        if !self.law.is_bounded() {
-            return Slips::of_law(self.law);
-        }
         let mut slips = Slips { up: false, down: false };
-        let facets = self.mesh.facets();
-        for (facet, &BoundarySide { side, .. }) in facets.iter().zip(self.sides.of_facets()) {
-            if self.mesh.condition(facet) == Condition::Contact {
-                let law = PartLaw::new(self.law, measure(self.mesh.corners(facet)));
-                let flux = self.flux[side as usize];
-                slips.up |= flux.iter().all(|flux| *flux <= law.least);
-                slips.down |= flux.iter().all(|flux| *flux >= law.most);
-            }
+        for (facet, &BoundarySide { side, .. }) in self.contact() {
+            let law = self.mesh.law(facet);
+            let part = PartLaw::new(law, measure(self.mesh.corners(facet)));
+            let (flux, is_open) = (self.flux[side as usize], !law.is_bounded());
+            slips.up |= law.lo().is_finite() && (is_open || flux.iter().all(|q| *q <= part.least));
+            slips.down |= law.hi().is_finite() && (is_open || flux.iter().all(|q| *q >= part.most));
         }
         slips
+    }
+
+    /// Facets that are neither free nor fixed, with their sides.
+    fn contact(&self) -> impl Iterator<Item = (&Facet<D>, &BoundarySide)> {
+        let facets = self.mesh.facets().iter().zip(self.sides.of_facets());
+        facets.filter(|(facet, _)| self.mesh.law(facet).may_move())
     }
 
     fn of_cell(&self, cell: usize) -> Totals {
@@ -202,24 +200,20 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
 
     /// Integrals over the facets in contact, each with its cell.
     fn boundary(&self) -> Vec<(u32, Totals)> {
-        let facets = self.mesh.facets();
-        let mut terms = Vec::with_capacity(facets.len());
-        for (facet, &BoundarySide { side, cell }) in facets.iter().zip(self.sides.of_facets()) {
-            if self.mesh.condition(facet) == Condition::Contact {
-                let measure = measure(self.mesh.corners(facet));
-                let law = PartLaw::new(self.law, measure);
-                let w = sorted(facet.nodes).map(|node| self.w[node as usize]);
-                let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
-                let flux = self.flux[side as usize];
-                let totals = Totals {
-                    work: law.work_of_facet(w, flux),
-                    through: mean_product(w, flux),
-                    potential: law.potential(w, 0.0),
-                    boundary_magnitude: 2.0 * law.ends_in_use(&w) * highest,
-                    ..Totals::default()
-                };
-                terms.push((cell, totals));
-            }
+        let mut terms = Vec::new();
+        for (facet, &BoundarySide { side, cell }) in self.contact() {
+            let law = PartLaw::new(self.mesh.law(facet), measure(self.mesh.corners(facet)));
+            let w = sorted(facet.nodes).map(|node| self.w[node as usize]);
+            let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
+            let flux = self.flux[side as usize];
+            let totals = Totals {
+                work: law.work_of_facet(w, flux),
+                through: mean_product(w, flux),
+                potential: law.potential(w, 0.0),
+                boundary_magnitude: 2.0 * law.ends_in_use(&w) * highest,
+                ..Totals::default()
+            };
+            terms.push((cell, totals));
         }
         terms
     }

@@ -44,7 +44,7 @@ impl Evaluator<'_> {
             }
             let (method, r) = (Method::ArrowHurwicz, self.target.r[row]);
             let run = RunStart { load: &load, method, r, pair: start };
-            self.lanes[level].enter(lane, Law::SIGNORINI, &run);
+            self.lanes[level].enter(lane, &run);
         }
     }
 
@@ -234,8 +234,9 @@ impl Evaluator<'_> {
     ) -> Vec<(Vec<Option<usize>>, f64)> {
         let mut ends = vec![(Vec::new(), 0.0); runs.len()];
         let grids = self.grids[..held.unwrap_or(self.grids.len())].to_vec();
-        let nested = NestedGrids { grids: &grids, prolongation: self.variant.prolongation };
-        let mut pairs = vec![Pair::zero(grids[0]); runs.len()];
+        let (law, prolongation) = (Law::SIGNORINI, self.variant.prolongation);
+        let nested = NestedGrids { grids: &grids, law, prolongation };
+        let mut pairs = vec![Pair::zero((grids[0], law)); runs.len()];
         let (measure, uncounted) = (self.variant.measure.in_lanes(), self.variant.uncounted);
         let on_level = |level: usize, pairs: &mut Vec<Pair>| {
             self.enter(geometry, level, runs, pairs);

@@ -8,9 +8,9 @@ use super::nodes::FileNodes;
 use super::plane::plane_of;
 use super::quadrangles::halves;
 use crate::mesh::{
-    AnyMesh, Condition, Facet, Mesh, MeshData, MeshError, MeshOrigin, Names, Part, PlaneMesh,
-    SpaceMesh, Tags,
+    AnyMesh, Facet, Mesh, MeshData, MeshError, MeshOrigin, Names, Part, PlaneMesh, SpaceMesh, Tags,
 };
+use crate::problem::law::Law;
 
 /// Sections that make a mesh.
 pub(super) struct Sections {
@@ -164,14 +164,15 @@ fn mesh<const D: usize, const V: usize>(
 }
 
 fn part<const D: usize>(names: Names) -> Part<D> {
-    Part { names, condition: Condition::default(), curve: None }
+    Part { names, law: Law::SIGNORINI, curve: None }
 }
 
 #[cfg(test)]
 mod tests {
     use crate::mesh::gmsh::read;
     use crate::mesh::gmsh::tests::{SQUARE_22, SQUARE_41, TETRAHEDRON, plane};
-    use crate::mesh::{AnyMesh, Condition, MeshOrigin};
+    use crate::mesh::{AnyMesh, MeshOrigin};
+    use crate::problem::law::Law;
 
     /// The square with more elements, and nodes of no cell.
     fn beside(elements: &str) -> String {
@@ -371,25 +372,25 @@ mod tests {
             (&["plate".into(), "plate, steel".into()][..], &[1, 0][..])
         );
         let mut mesh = AnyMesh::Plane(mesh);
-        assert_eq!(mesh.set_condition("loaded", Condition::Free), Ok(()));
+        assert_eq!(mesh.set_law("loaded", Law::FREE), Ok(()));
         let AnyMesh::Plane(plane) = &mesh else { unreachable!() };
-        let free = plane.facets().iter().filter(|facet| plane.condition(facet) == Condition::Free);
+        let free = plane.facets().iter().filter(|facet| plane.law(facet) == Law::FREE);
         assert_eq!(free.count(), 2);
         // Two conditions meet on the lower edge.
-        let refused = mesh.set_condition("south", Condition::Fixed).unwrap_err();
+        let refused = mesh.set_law("south", Law::FIXED).unwrap_err();
         assert_eq!(
             refused,
             "facets named south, loaded would be free and fixed; choose one of the two"
         );
-        assert_eq!(mesh.set_condition("south", Condition::Free), Ok(()));
-        let refused = mesh.set_condition("diagonal", Condition::Free).unwrap_err();
+        assert_eq!(mesh.set_law("south", Law::FREE), Ok(()));
+        let refused = mesh.set_law("diagonal", Law::FREE).unwrap_err();
         assert_eq!(
             refused,
-            "`diagonal` lies inside the domain, where no condition holds; the parts of the boundary are south, \
+            "`diagonal` lies inside the domain, where no law holds; the parts of the boundary are south, \
              loaded, boundary"
         );
         let inside = "borders of regions are straight edges; write a disc or ball in f in place of a round region";
-        let refused = refused.replace("no condition holds", inside);
+        let refused = refused.replace("no law holds", inside);
         assert_eq!(mesh.set_curve("diagonal", &[0.0, 0.0, 1.0]), Err(refused));
     }
 

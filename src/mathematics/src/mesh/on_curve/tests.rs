@@ -1,6 +1,7 @@
 //! Tests of curves of boundaries: rims between two parts, and nodes beside their curve.
 
-use crate::mesh::{AnyMesh, Condition, Facet, MeshData, Names, Part, SpaceMesh};
+use crate::mesh::{AnyMesh, Facet, MeshData, Names, Part, SpaceMesh};
+use crate::problem::law::Law;
 use std::f64::consts::{FRAC_PI_4, FRAC_PI_6, PI, TAU};
 
 /// Radius of the rim of the caps of height 1/2 of the unit ball.
@@ -16,7 +17,7 @@ fn ring(radius: f64, z: f64) -> Vec<[f64; 3]> {
 }
 
 fn named(name: &str) -> Part<3> {
-    Part { names: Names::from(name), condition: Condition::Contact, curve: None }
+    Part { names: Names::from(name), law: Law::SIGNORINI, curve: None }
 }
 
 /// Facets between a pole and the rim, whose nodes are 1 to 6.

@@ -128,10 +128,9 @@ impl StateProblem<'_> {
     /// Minimises the energy over one value after the other some times, then over the constant of each component without
     /// fixed nodes.
     fn sweep(&self, y: &mut [f64]) {
-        let law = self.law();
         for _ in 0..SWEEPS {
-            self.network.sweep(self.load, y, |_, ContactRow { sum, diagonal, measure }| {
-                law.settle(sum, diagonal, measure)
+            self.network.sweep(self.load, y, |b, ContactRow { sum, diagonal, measure, .. }| {
+                self.laws[b].settle(sum, diagonal, measure)
             });
         }
         let needed = self.needed();

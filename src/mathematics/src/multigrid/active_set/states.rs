@@ -1,6 +1,5 @@
-//! Problem under the law `[0, limit]` by the states of its nodes.
+//! Problem under laws `[0, limit]` by the states of its nodes.
 
-use crate::discrete::kkt::judge;
 use crate::discrete::network::{Network, count_components};
 use crate::discrete::norms::largest;
 use crate::problem::balance::{Balance, ContactValue, place_at_zero};
@@ -10,24 +9,24 @@ use std::cmp::Ordering;
 /// Natural residual over the largest load up to which a circle of states is one of rounding errors.
 const ROUNDING: f64 = 1e-11;
 
-/// Problem under the law `[0, limit]`, whose solution is known from the states of its nodes. Inner nodes count as
+/// Problem under laws `[0, limit]`, whose solution is known from the states of its nodes. Inner nodes count as
 /// slipping up, fixed nodes as sticking.
 pub(crate) struct StateProblem<'a> {
     pub network: &'a Network,
     /// Connected component of each node.
     pub components: &'a [u32],
     pub load: &'a [f64],
-    /// Largest flux.
-    pub limit: f64,
+    /// Laws `[0, limit]` of the contact nodes.
+    pub laws: &'a [Law],
 }
 
 impl StateProblem<'_> {
     /// States with all contact nodes at zero.
     pub(crate) fn all_stick(&self) -> Vec<BoundaryState> {
         let mut states = vec![BoundaryState::SlipsUp; self.load.len()];
-        let contact = self.network.contact().iter().map(|contact| contact.node);
-        let zero = contact.chain(self.network.fixed().iter().map(|&node| node as usize));
-        zero.for_each(|node| states[node] = BoundaryState::Sticks);
+        for contact in self.network.boundary() {
+            states[contact.node] = BoundaryState::Sticks;
+        }
         states
     }
 
@@ -42,15 +41,18 @@ impl StateProblem<'_> {
         }
     }
 
-    pub(super) fn law(&self) -> Law {
-        Law::new(0.0, self.limit).expect("a positive limit")
+    /// Contact nodes with the largest flux through the boundary at each.
+    fn contact(&self) -> impl Iterator<Item = (&ContactNode, f64)> {
+        let contact = self.network.contact().iter().zip(self.laws);
+        contact.map(|(contact, law)| (contact, contact.measure * law.hi()))
     }
 
     /// True if the solution with these states solves the problem but for rounding errors.
     pub(super) fn has_rounding_errors_alone(&self, states: &[BoundaryState], y: &[f64]) -> bool {
         let mut y = y.to_vec();
         self.put_into_states(states, &mut y);
-        let natural = judge(self.network, self.law(), &y, self.load).kkt.natural;
+        let gradient = |node| self.network.gradient_at(node, &y, self.load);
+        let natural = self.network.natural_residual(self.laws, &y, gradient);
         natural <= ROUNDING * largest(self.load)
     }
 
@@ -70,9 +72,9 @@ impl StateProblem<'_> {
     /// Load with the flux of the nodes that slip down.
     pub(crate) fn load_with(&self, states: &[BoundaryState]) -> Vec<f64> {
         let mut load = self.load.to_vec();
-        for contact in self.network.contact() {
+        for (contact, most) in self.contact() {
             if states[contact.node] == BoundaryState::SlipsDown {
-                load[contact.node] += contact.measure * self.limit;
+                load[contact.node] += most;
             }
         }
         load
@@ -88,22 +90,20 @@ impl StateProblem<'_> {
         let mut next = vec![BoundaryState::SlipsUp; states.len()];
         let has_fixed = self.has_fixed();
         let mut balances = vec![Balance::default(); has_fixed.len()];
-        for &node in self.network.fixed() {
-            next[node as usize] = BoundaryState::Sticks;
+        for contact in self.network.held() {
+            next[contact.node] = BoundaryState::Sticks;
         }
-        for contact in self.network.contact() {
+        for (contact, most) in self.contact() {
             let node = contact.node;
             let gradient = self.network.gradient_at(node, y, self.load);
             next[node] = match states[node] {
                 BoundaryState::Sticks if gradient < 0.0 => BoundaryState::SlipsUp,
-                BoundaryState::Sticks if gradient > contact.measure * self.limit => {
-                    BoundaryState::SlipsDown
-                }
+                BoundaryState::Sticks if gradient > most => BoundaryState::SlipsDown,
                 BoundaryState::SlipsUp if y[node] >= 0.0 => BoundaryState::SlipsUp,
                 BoundaryState::SlipsDown if y[node] <= 0.0 => BoundaryState::SlipsDown,
                 _ => BoundaryState::Sticks,
             };
-            balances[self.components[node] as usize].see(next[node], contact.measure);
+            balances[self.components[node] as usize].see(next[node], most);
         }
         for (component, (balance, needed)) in balances.iter().zip(self.needed()).enumerate() {
             if !has_fixed[component] && !balance.holds(needed) {
@@ -116,23 +116,23 @@ impl StateProblem<'_> {
     /// True for each component that has a fixed node.
     pub(super) fn has_fixed(&self) -> Vec<bool> {
         let mut has_fixed = vec![false; count_components(self.components)];
-        for &node in self.network.fixed() {
-            has_fixed[self.components[node as usize] as usize] = true;
+        for contact in self.network.held() {
+            has_fixed[self.components[contact.node] as usize] = true;
         }
         has_fixed
     }
 
-    /// Measure of each component that balances its load if it slips down.
+    /// Flux through the boundary of each component that balances its load.
     pub(super) fn needed(&self) -> Vec<f64> {
         let mut needed = vec![0.0; count_components(self.components)];
         for (&component, load) in self.components.iter().zip(self.load) {
-            needed[component as usize] -= load / self.limit;
+            needed[component as usize] -= load;
         }
         needed
     }
 
-    /// Sets the states of a component after the shift by the constant of least energy, where nodes with the measure
-    /// `needed` balance the load if they slip down. Returns this constant, to be subtracted.
+    /// Sets the states of a component after the shift by the constant of least energy, where the flux `needed` balances
+    /// the load. Returns this constant, to be subtracted.
     pub(super) fn shift(
         &self,
         component: usize,
@@ -141,10 +141,10 @@ impl StateProblem<'_> {
         next: &mut [BoundaryState],
     ) -> f64 {
         let mut nodes: Vec<ContactValue> = Vec::new();
-        for &ContactNode { node, measure } in self.network.contact() {
+        for (&ContactNode { node, .. }, most) in self.contact() {
             if self.components[node] as usize == component {
                 let multiplier = self.network.gradient_at(node, y, self.load);
-                nodes.push(ContactValue { number: node, measure, value: y[node], multiplier });
+                nodes.push(ContactValue { number: node, most, value: y[node], multiplier });
             }
         }
         let at = place_at_zero(&mut nodes, needed);

@@ -96,29 +96,21 @@ impl<const K: usize, L: Copy> V<K, L> {
     }
 }
 
-/// A law per lane.
+/// The law of all lanes.
 #[derive(Clone)]
-pub(super) struct LaneLaws<const K: usize, L> {
-    laws: [Law; K],
+pub(super) struct LaneLaw<const K: usize, L> {
+    law: Law,
     /// Ends of the intervals.
     pub(super) lo: V<K, L>,
     pub(super) hi: V<K, L>,
-    /// True if a lane's interval has an upper end.
+    /// True if the interval has an upper end.
     pub(super) has_upper: bool,
 }
 
-impl<const K: usize, L: Copy> LaneLaws<K, L> {
-    /// The same law in all lanes.
-    pub(super) fn all(law: Law) -> Self {
+impl<const K: usize, L: Copy> LaneLaw<K, L> {
+    pub(super) fn new(law: Law) -> Self {
         let (lo, hi) = (V::all(law.lo()), V::all(law.hi()));
-        Self { laws: [law; K], lo, hi, has_upper: law.hi().is_finite() }
-    }
-
-    /// Sets the law of a lane.
-    pub(super) fn set(&mut self, lane: usize, law: Law) {
-        self.laws[lane] = law;
-        (self.lo.0[lane], self.hi.0[lane]) = (law.lo(), law.hi());
-        self.has_upper = self.laws.iter().any(|law| law.hi().is_finite());
+        Self { law, lo, hi, has_upper: law.hi().is_finite() }
     }
 
     /// In each lane, the point of the law's interval next to a flux, as [`Law::project`].
@@ -134,7 +126,7 @@ impl<const K: usize, L: Copy> LaneLaws<K, L> {
     /// In each lane, [`Law::residual`].
     #[inline(always)]
     pub(super) fn residual(&self, y: V<K, L>, gradient: V<K, L>, measure: f64) -> V<K, L> {
-        V::of(each(|l| self.laws[l].residual(y.0[l], gradient.0[l], measure)))
+        V::of(each(|l| self.law.residual(y.0[l], gradient.0[l], measure)))
     }
 
     /// In each lane, [`Law::relax`] on a row with this diagonal entry, by which `divided` divides.

@@ -1,7 +1,7 @@
 //! The iterates of several runs on one grid, node by node with a number per run.
 
 use super::LANES;
-use super::arithmetic::{LaneAlignment, LaneLaws, V, each};
+use super::arithmetic::{LaneAlignment, LaneLaw, V, each};
 use crate::discrete::grid::Grid;
 use crate::discrete::network::Network;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
@@ -48,7 +48,7 @@ impl LaneEdge {
 #[derive(Clone)]
 pub(crate) struct Lanes<const K: usize = LANES, L = LaneAlignment> {
     pub(super) grid: Grid,
-    pub(super) laws: LaneLaws<K, L>,
+    pub(super) law: LaneLaw<K, L>,
     order: Order,
     /// Weight of the multiplier in (7), h, and its weight at the corners.
     pub(super) weights: [f64; 2],
@@ -92,7 +92,7 @@ impl<const K: usize, L: Copy> Lanes<K, L> {
     /// All lanes at zero, under one law, swept in this order, with the multiplier's weight at corners in units of h.
     pub(crate) fn new(grid: Grid, law: Law, order: Order, corner_weight: f64) -> Self {
         let n = grid.cells();
-        let network = Network::of_square(grid);
+        let network = Network::of_square(grid, law);
         let edge = |(b, node): (usize, usize)| {
             let row = network.row(node);
             let (mut around, mut weights) = ([node as u32; 3], [0.0; 3]);
@@ -108,7 +108,7 @@ impl<const K: usize, L: Copy> Lanes<K, L> {
         let nodes = || vec![V::all(0.0); grid.nodes()];
         Self {
             grid,
-            laws: LaneLaws::all(law),
+            law: LaneLaw::new(law),
             order,
             weights: [1.0, corner_weight].map(|weight| grid.h() * weight),
             r: V::all(1.0),
@@ -127,13 +127,12 @@ impl<const K: usize, L: Copy> Lanes<K, L> {
         }
     }
 
-    /// Puts a run into a lane, under this law.
+    /// Puts a run into a lane.
     ///
     /// # Panics
     /// If a vector has the wrong length for the grid, or r is not positive.
-    pub(crate) fn enter(&mut self, lane: usize, law: Law, run: &RunStart<'_>) {
+    pub(crate) fn enter(&mut self, lane: usize, run: &RunStart<'_>) {
         let &RunStart { r, load, method, pair: start } = run;
-        self.laws.set(lane, law);
         let weight = method.weight();
         assert!(load.len() == self.grid.nodes() && start.y.len() == self.grid.nodes());
         assert!(start.a.len() == self.a.len() && r > 0.0);
@@ -156,7 +155,7 @@ impl<const K: usize, L: Copy> Lanes<K, L> {
         self.regularise(lane);
     }
 
-    /// Puts a run of Arrow-Hurwicz into every lane, all with the same r, from zero and under the lanes' laws; returns
+    /// Puts a run of Arrow-Hurwicz into every lane, all with the same r, from zero and under the law; returns
     /// the load vectors, which the caller sets.
     ///
     /// # Panics
@@ -305,7 +304,7 @@ impl<const K: usize, L: Copy> Lanes<K, L> {
                 true => (&self.corner, self.weights[1]),
             };
             let row = [sum, self.a[edge.place as usize], self.r];
-            self.y[node] = self.laws.relax(row, *diagonal, h, |sum| *inverse * sum);
+            self.y[node] = self.law.relax(row, *diagonal, h, |sum| *inverse * sum);
         }
     }
 
@@ -319,7 +318,7 @@ impl<const K: usize, L: Copy> Lanes<K, L> {
             let next = V::of(each(|l| if steps.0[l] == 1.0 { next.0[l] } else { a.0[l] }));
             // Zero, unless a value is no finite number.
             not_finite = not_finite + next * V::all(0.0);
-            let next = self.laws.project(next);
+            let next = self.law.project(next);
             changes = (next - *a).abs().greatest(changes);
             *a = next;
         }
@@ -335,8 +334,8 @@ mod tests {
 
     /// Iterate after three sweeps in the last of `K` lanes, whose bands are wider for one lane.
     fn swept<const K: usize, L: Copy>(grid: Grid, law: Law, run: &RunStart<'_>) -> Vec<f64> {
-        let mut lanes = Lanes::<K, L>::new(grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
-        lanes.enter(K - 1, law, run);
+        let mut lanes = Lanes::<K, L>::new(grid, law, Order::Lexicographic, 1.0);
+        lanes.enter(K - 1, run);
         (0..3).for_each(|_| lanes.sweep_inline());
         lanes.y.iter().map(|y| y.0[K - 1]).collect()
     }
@@ -364,8 +363,8 @@ mod tests {
             let mut pair = Pair { y, a };
             let start = pair.clone();
             let run = RunStart { load: &load, method: Method::ArrowHurwicz, r, pair: &start };
-            let network = Network::of_square(grid);
-            let definition = Plain { network: &network, law, load: &load, r };
+            let network = Network::of_square(grid, law);
+            let definition = Plain { network: &network, load: &load, r };
             (0..3).for_each(|_| definition.sweep(&mut pair));
             prop_assert_eq!(&pair.y, &swept::<1, f64>(grid, law, &run));
             prop_assert_eq!(&pair.y, &swept::<LANES, LaneAlignment>(grid, law, &run));

@@ -194,7 +194,7 @@ impl<const K: usize, L: Copy> Lanes<K, L> {
         let mut flux = here * diagonal - (((load + first) + second) + third);
         if measure == GradientMeasure::Kkt {
             let h = self.weights[usize::from(edge.is_corner)];
-            return self.laws.residual(here, flux, h);
+            return self.law.residual(here, flux, h);
         }
         if measure == GradientMeasure::Inner {
             // As `Gradient` adds it: the mass of a row, less half of it at the row's ends.
@@ -208,7 +208,7 @@ impl<const K: usize, L: Copy> Lanes<K, L> {
         }
         let pull = self.a[edge.place as usize] - self.r * here;
         let h = V::all(self.weights[usize::from(edge.is_corner)]);
-        let value = flux - h * self.laws.project(pull);
+        let value = flux - h * self.law.project(pull);
         if measure == GradientMeasure::Signed { value } else { value.abs() }
     }
 }

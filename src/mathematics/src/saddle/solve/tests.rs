@@ -26,10 +26,10 @@ fn uzawa(weight: f64) -> Method {
 /// Outcome, sweeps and last pair, from zero: plain and proximal.
 fn both(grid: Grid, load: &[f64], params: &Params, weight: f64) -> [(Outcome, usize, Pair); 2] {
     [0.0, weight].map(|weight| {
-        let mut pair = Pair::zero(grid);
+        let mut pair = Pair::zero((grid, Law::SIGNORINI));
         let end = solve(
-            grid,
-            Law::SIGNORINI.with_load(load),
+            (grid, Law::SIGNORINI),
+            load,
             &Params { method: uzawa(weight), ..*params },
             &mut pair,
         );
@@ -45,8 +45,8 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 fn every_method_finds_the_solution_of_arrow_hurwicz() {
     for f in PROBLEMS {
         let (grid, load) = setting(f);
-        let mut want = Pair::zero(grid);
-        let outcome = arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &tight(10.0), &mut want);
+        let mut want = Pair::zero((grid, Law::SIGNORINI));
+        let outcome = arrow_hurwicz((grid, Law::SIGNORINI), &load, &tight(10.0), &mut want);
         assert_eq!(outcome.end.stop, Stop::Converged);
         for r in [1.0, 10.0, 1e3, 1e6] {
             for (end, sweeps, pair) in both(grid, &load, &tight(r), 1.0) {
@@ -67,15 +67,11 @@ fn every_method_finds_the_solution_of_arrow_hurwicz() {
 fn one_sweep_inside_is_arrow_hurwicz_to_the_last_bit() {
     let (grid, load) = setting(PROBLEMS[0]);
     let once = Method::Uzawa { weight: 0.0, inner: f64::INFINITY, loose: false };
-    let mut ours = Pair::zero(grid);
-    let end = solve(
-        grid,
-        Law::SIGNORINI.with_load(&load),
-        &Params { method: once, ..tight(3.0) },
-        &mut ours,
-    );
-    let mut theirs = Pair::zero(grid);
-    assert_eq!(end, arrow_hurwicz(grid, Law::SIGNORINI.with_load(&load), &tight(3.0), &mut theirs));
+    let mut ours = Pair::zero((grid, Law::SIGNORINI));
+    let end =
+        solve((grid, Law::SIGNORINI), &load, &Params { method: once, ..tight(3.0) }, &mut ours);
+    let mut theirs = Pair::zero((grid, Law::SIGNORINI));
+    assert_eq!(end, arrow_hurwicz((grid, Law::SIGNORINI), &load, &tight(3.0), &mut theirs));
     assert_eq!(end.end.sweeps(), end.end.iterations);
     assert_eq!(ours, theirs);
 }
@@ -101,7 +97,7 @@ fn without_a_minimum_both_end_at_a_cap() {
     assert_eq!((plain.end.stop, sweeps), (Stop::IterationLimit, 3000));
     assert_eq!(plain.end.iterations, 0, "the inner problem has no minimum");
     let mut further = up.clone();
-    solve(grid, Law::SIGNORINI.with_load(&load), &capped, &mut further);
+    solve((grid, Law::SIGNORINI), &load, &capped, &mut further);
     let drift = 3000.0 * 0.5 * grid.h() * grid.h() * load.iter().sum::<f64>();
     for (low, high) in up.y.iter().zip(&further.y) {
         assert!((high - low - drift).abs() < 1e-9 * drift, "{} {drift}", high - low);
@@ -140,11 +136,11 @@ fn what_is_no_number_diverges() {
 fn a_history_has_each_step() {
     let (grid, load) = setting(PROBLEMS[1]);
     let params = Params { method: uzawa(0.0), ..tight(1.0) };
-    let (problem, start) = (Law::SIGNORINI.with_load(&load), &Pair::zero(grid));
-    let run = AskedRun { problem, params, start, has_history: true };
+    let (load, start) = (&load[..], &Pair::zero((grid, Law::SIGNORINI)));
+    let run = AskedRun { load, params, start, has_history: true };
     let without = AskedRun { has_history: false, ..run };
     for runs in [vec![run], vec![without, without, run]] {
-        let ends = solve_together(grid.into(), &runs);
+        let ends = solve_together((grid, Law::SIGNORINI).into(), &runs);
         let LevelEnd { outcome, history, .. } = &ends[runs.len() - 1];
         assert!(history.iter().map(|iteration| iteration.number).eq(1..=outcome.end.iterations));
         let last = history.last().unwrap();
@@ -158,7 +154,7 @@ fn a_history_has_each_step() {
 fn runs_side_by_side_have_the_bits_of_each_alone() {
     let grid = Grid::new(16).unwrap();
     let loads = PROBLEMS.map(|f| load(grid, &f.parse().unwrap(), LoadRule::Bilinear {}));
-    let (start, loose) = (&Pair::zero(grid), uzawa(0.0).loose());
+    let (start, loose) = (&Pair::zero((grid, Law::SIGNORINI)), uzawa(0.0).loose());
     let mut runs = Vec::new();
     for load in &loads {
         for method in [Method::ArrowHurwicz, uzawa(0.0), loose, uzawa(2.0)] {
@@ -171,15 +167,14 @@ fn runs_side_by_side_have_the_bits_of_each_alone() {
                     rule: StopRule::Printed,
                     ..Params::default()
                 };
-                let problem = Law::SIGNORINI.with_load(load);
-                runs.push(AskedRun { problem, params, start, has_history: false });
+                runs.push(AskedRun { load, params, start, has_history: false });
             }
         }
     }
-    for (run, end) in runs.iter().zip(solve_together(grid.into(), &runs)) {
+    for (run, end) in runs.iter().zip(solve_together((grid, Law::SIGNORINI).into(), &runs)) {
         let mut pair = start.clone();
         assert_eq!(
-            solve(grid, run.problem, &run.params, &mut pair),
+            solve((grid, Law::SIGNORINI), run.load, &run.params, &mut pair),
             end.outcome,
             "{:?}",
             run.params
@@ -191,18 +186,18 @@ fn runs_side_by_side_have_the_bits_of_each_alone() {
 #[test]
 fn uzawa_ends_at_the_rounding_errors_of_huge_loads() {
     let grid = Grid::new(8).unwrap();
-    let network = Network::of_square(grid);
+    let network = Network::of_square(grid, Law::SIGNORINI);
     let load: Vec<_> =
         (0..grid.nodes()).map(|k| 1e20 * ((k * 37 % 11) as f64 - 5.6) / 64.0).collect();
     for (weight, rule) in [0.0, 1.0].into_iter().flat_map(|w| StopRule::ALL.map(|of| (w, of))) {
         let method = Method::Uzawa { weight, inner: 1e-4, loose: false };
         let params = Params { method, r: 4.0, tolerance: 1e-3, rule, ..Params::default() };
-        let problem = Law::SIGNORINI.with_load(&load);
-        let (mut on_grid, mut on_network) = (Pair::zero(grid), Pair::zero(&network));
-        let run = solve(grid, problem, &params, &mut on_grid);
+        let (mut on_grid, mut on_network) =
+            (Pair::zero((grid, Law::SIGNORINI)), Pair::zero(&network));
+        let run = solve((grid, Law::SIGNORINI), &load, &params, &mut on_grid);
         assert_eq!(run.end.stop, Stop::Converged, "{weight} {rule}");
         assert!(rule != StopRule::PrintedDual || run.kkt.relative < 1e-9, "{run:?}");
-        let run = solve(&network, problem, &params, &mut on_network);
+        let run = solve(&network, &load, &params, &mut on_network);
         assert_eq!(run.end.stop, Stop::Converged, "{weight} {rule}");
     }
 }
@@ -210,7 +205,6 @@ fn uzawa_ends_at_the_rounding_errors_of_huge_loads() {
 #[test]
 fn every_method_gives_the_bits_of_the_square() {
     let grid = Grid::new(8).unwrap();
-    let network = Network::of_square(grid);
     let load: Vec<_> = (0..grid.nodes()).map(|k| ((k * 37 % 11) as f64 - 5.6) / 64.0).collect();
     let uzawa = |weight, loose| Method::Uzawa { weight, inner: 1e-4, loose };
     let methods = [Method::ArrowHurwicz, uzawa(0.0, false), uzawa(0.0, true), uzawa(2.0, false)];
@@ -223,9 +217,10 @@ fn every_method_gives_the_bits_of_the_square() {
             rule: StopRule::Printed,
             ..Params::default()
         };
-        let (mut on_grid, mut on_network) = (Pair::zero(grid), Pair::zero(&network));
-        let expected = solve(grid, law.with_load(&load), &params, &mut on_grid);
-        let run = solve(&network, law.with_load(&load), &params, &mut on_network);
+        let network = Network::of_square(grid, law);
+        let [mut on_grid, mut on_network] = [(); 2].map(|()| Pair::zero(&network));
+        let expected = solve((grid, law), &load, &params, &mut on_grid);
+        let run = solve(&network, &load, &params, &mut on_network);
         assert_eq!(run.end.iterations, expected.end.iterations, "{method:?} {law}");
         assert_eq!(run.end.sweeps(), expected.end.sweeps(), "{method:?} {law}");
         if method.weight() == 0.0 {

@@ -169,7 +169,7 @@ impl<'a> Meshes<'a> {
     }
 
     fn check(&self, components: &[Component], rounding: f64) -> Result<(), Unsolvable> {
-        components.iter().try_for_each(|component| component.check(self.adaption.law, rounding))
+        components.iter().try_for_each(|component| component.check(rounding))
     }
 
     /// True if a finer mesh may have a flux that balances f although this one has none.
@@ -184,13 +184,11 @@ impl<'a> Meshes<'a> {
         params: &MultigridParams,
         has_solution: bool,
     ) -> Result<Result<LocalBounds, NoBound>, ProblemError> {
-        let law = self.adaption.law;
-        let problem = law.with_load(&self.load.load);
         let y = self.y.as_deref().filter(|_| self.networks.len() > 1);
         let usual = MultigridParams::default();
         let params = if y.is_some() { params } else { &usual };
         let start = Start { y, is_slow: self.is_slow };
-        let solved = improve_on_nested_networks(&self.networks, problem, start, params);
+        let solved = improve_on_nested_networks(&self.networks, &self.load.load, start, params);
         (self.ended)(Step::Solver);
         let Improved { mut y, mut end, is_slow } = match solved {
             Err(InputError::Unsolvable(reason)) if self.is_coarse() => {
@@ -201,17 +199,17 @@ impl<'a> Meshes<'a> {
         self.is_slow = is_slow;
         if end.stop == Stop::IterationLimit && has_factors(2, y.len()) {
             let network = &self.networks[self.networks.len() - 1].network;
-            (y, end) = active_set(network, law, &self.load.load, Some(&y))?;
+            (y, end) = active_set(network, &self.load.load, Some(&y))?;
         }
         // The bound is the goal: rounding errors are small enough.
         let stop = if end.stop == Stop::RoundingFloor { Stop::Converged } else { end.stop };
         let end = End { stop, ..end };
         let network = &self.networks[self.networks.len() - 1].network;
         let (mesh, sides, f) = (self.finest(), &self.sides, &self.load);
-        let bounded = BoundedProblem { mesh, sides, network, f, law };
+        let bounded = BoundedProblem { mesh, sides, network, f };
         let missed = check_missed(f.missed());
         let (judgement, bounds) = among_threads(COST * y.len(), || {
-            join(|| judge(network, law, &y, &f.load), || missed.and_then(|()| bounded.bounds(&y)))
+            join(|| judge(network, &y, &f.load), || missed.and_then(|()| bounded.bounds(&y)))
         });
         let outcome = Outcome::new(end, &judgement, None, &self.load.load, has_solution);
         self.outcomes.push(outcome);
@@ -384,12 +382,11 @@ impl Refining for Meshes<'_> {
     fn finished(mut self, reached: Reached) -> Result<Solved, Refusal> {
         let found = self.found.map_err(Refusal::NoBound)?;
         self.bounds.pop();
-        let law = self.adaption.law;
         let y = self.y.expect("a vector with bounds");
         let network = &self.networks[self.networks.len() - 1].network;
         let (mesh, sides, f) = (&self.all[self.all.len() - 1], &self.sides, &self.load);
-        let errors = VectorErrors { law, y: y.clone(), of_cells: found.errors() };
-        let bounded = BoundedProblem { mesh, sides, network, f, law };
+        let errors = VectorErrors { y: y.clone(), of_cells: found.errors() };
+        let bounded = BoundedProblem { mesh, sides, network, f };
         self.bounds.push(Ok(bounded.with_lower(found.bounds, &y)));
         (self.ended)(Step::Bounds);
         let is_curved = mesh.parts().iter().any(|part| part.curve.is_some());
@@ -403,7 +400,7 @@ impl Refining for Meshes<'_> {
             ends: self.outcomes,
             judgement: self.judgement.expect("a vector with bounds"),
         };
-        let problem = Problem::checked(levels, law, is_curved);
+        let problem = Problem::checked(levels, is_curved);
         let reached = Reached { marks: Some(self.marks), ..reached };
         Ok(Solved::with_bounds(problem, run, self.bounds, reached))
     }

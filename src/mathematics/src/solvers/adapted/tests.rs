@@ -4,7 +4,7 @@ use super::*;
 use crate::bounds::{Bounds, NoBound};
 use crate::levels::Problem;
 use crate::mesh::AnyMesh;
-use crate::mesh::{BuiltIn, Condition, Facet, MeshData, Names, Part, lattice_mesh};
+use crate::mesh::{BuiltIn, Facet, MeshData, Names, Part, lattice_mesh};
 use crate::problem::law::Law;
 use crate::saddle::Monitor;
 use crate::solvers::reach::{Refining, Tried};
@@ -17,7 +17,6 @@ struct KnownEnergy {
     name: &'static str,
     mesh: PlaneMesh,
     f: &'static str,
-    law: Law,
     energy: f64,
     /// Last digit of the energy.
     digit: f64,
@@ -43,17 +42,17 @@ impl Watcher for ShownMeshes {
 }
 
 /// Unit square of eight cells, with these conditions where a point of the boundary satisfies them.
-fn square(condition: impl Fn([f64; 2]) -> Condition) -> PlaneMesh {
+fn square(law: impl Fn([f64; 2]) -> Law) -> PlaneMesh {
     let mut mesh = lattice_mesh(&[-0.5, 0.0, 0.5]);
-    let part = |condition| Part { names: Names::from("part"), condition, curve: None };
-    mesh.parts = [Condition::Contact, Condition::Free, Condition::Fixed].map(part).to_vec();
+    let part = |law| Part { names: Names::from("part"), law, curve: None };
+    mesh.parts = [Law::SIGNORINI, Law::FREE, Law::FIXED].map(part).to_vec();
     let points = mesh.points.clone();
     for facet in &mut mesh.facets {
         let [a, b] = facet.nodes.map(|node| points[node as usize]);
-        facet.part = match condition([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]) {
-            Condition::Contact => 0,
-            Condition::Free => 1,
-            Condition::Fixed => 2,
+        facet.part = match law([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]) {
+            Law::FREE => 1,
+            Law::FIXED => 2,
+            _ => 0,
         };
     }
     mesh
@@ -61,7 +60,7 @@ fn square(condition: impl Fn([f64; 2]) -> Condition) -> PlaneMesh {
 
 /// Square (-1, 1)^2 without the line from its centre to its right side.
 fn slit() -> PlaneMesh {
-    let part = Part { names: Names::from("slit"), condition: Condition::Contact, curve: None };
+    let part = Part { names: Names::from("slit"), law: Law::SIGNORINI, curve: None };
     let data = MeshData {
         // The last node is that of the lower side of the slit.
         points: vec![
@@ -86,40 +85,37 @@ fn slit() -> PlaneMesh {
 
 fn known() -> Vec<KnownEnergy> {
     let lshape = BuiltIn::LShape.plane().unwrap();
-    let contact = || square(|_| Condition::Contact);
+    let contact = || square(|_| Law::SIGNORINI);
     let fixed_free = square(|[x, y]| match (y < -0.49, x < 0.0) {
-        (false, _) => Condition::Contact,
-        (true, true) => Condition::Fixed,
-        (true, false) => Condition::Free,
+        (false, _) => Law::SIGNORINI,
+        (true, true) => Law::FIXED,
+        (true, false) => Law::FREE,
     });
     let mixed = square(|[x, _]| match x.abs() > 0.49 {
-        true if x < 0.0 => Condition::Fixed,
-        true => Condition::Free,
-        false => Condition::Contact,
+        true if x < 0.0 => Law::FIXED,
+        true => Law::FREE,
+        false => Law::SIGNORINI,
     });
     let half_fixed = square(|[x, y]| match (x < -0.49, y < -0.49 && x > 0.0) {
-        (true, _) => Condition::Free,
-        (false, true) => Condition::Fixed,
-        (false, false) => Condition::Contact,
+        (true, _) => Law::FREE,
+        (false, true) => Law::FIXED,
+        (false, false) => Law::SIGNORINI,
     });
     let friction = |g| Law::friction(g).unwrap();
-    let problem = |name, mesh, f, energy| KnownEnergy {
-        name,
-        mesh,
-        f,
-        law: Law::SIGNORINI,
-        energy,
-        digit: 1e-12,
-    };
+    let problem = |name, mesh, f, energy| KnownEnergy { name, mesh, f, energy, digit: 1e-12 };
     vec![
         KnownEnergy {
             digit: 2e-8,
             ..problem("L-shape", lshape.clone(), "rect(-9,0,-9,0)=3; else=-2", -3.019_877_99)
         },
         KnownEnergy {
-            law: friction(0.6),
             digit: 2e-7,
-            ..problem("L-shape with friction", lshape, "rect(-9,0,-9,0)=6; else=-3.3", -5.378_190_1)
+            ..problem(
+                "L-shape with friction",
+                lshape.with_law(friction(0.6)),
+                "rect(-9,0,-9,0)=6; else=-3.3",
+                -5.378_190_1,
+            )
         },
         KnownEnergy {
             digit: 2e-7,
@@ -150,10 +146,12 @@ fn known() -> Vec<KnownEnergy> {
             -0.138_582_877_396_965_8,
         ),
         problem("square", contact(), "rect(-9,0,-9,0)=3; else=-1.1", -0.095_051_720_753_350_8),
-        KnownEnergy {
-            law: friction(1.0),
-            ..problem("both signs", contact(), "halfplane(1,0,0)=8; else=-8", -0.627_952_316_469_3)
-        },
+        problem(
+            "both signs",
+            contact().with_law(friction(1.0)),
+            "halfplane(1,0,0)=8; else=-8",
+            -0.627_952_316_469_3,
+        ),
     ]
 }
 
@@ -169,7 +167,6 @@ impl KnownEnergy {
         Adaption {
             coarsest: &self.mesh,
             f: self.f,
-            law: self.law,
             goal,
             most_nodes: 1 << 20,
             bisections: Adaption::BISECTIONS,
@@ -300,7 +297,7 @@ fn the_meshes_of_a_run_are_made_anew_from_its_marks() {
     for problem in [&known()[0], &known()[1]] {
         let (run, _) = problem.run(Accuracy::Error(0.05));
         let marks = run.reached.as_ref().and_then(|reached| reached.marks.as_ref()).unwrap();
-        let anew = Problem::on_bisected(&problem.mesh, marks, problem.f, problem.law).unwrap();
+        let anew = Problem::on_bisected(&problem.mesh, marks, problem.f).unwrap();
         assert!(marks.len() > 4 && anew.count() == run.problem.count());
         assert!(finest(&anew) == finest(&run.problem));
         assert_eq!([anew.load(), run.problem.load()].map(<[f64]>::len), [run.pair().y.len(); 2]);
@@ -310,28 +307,28 @@ fn the_meshes_of_a_run_are_made_anew_from_its_marks() {
 
 #[test]
 fn uniform_refinements_of_a_strip_are_the_way_where_they_meet_the_goal_with_fewer_nodes() {
-    let part = |condition| Part { names: Names::from("part"), condition, curve: None };
+    let part = |law| Part { names: Names::from("part"), law, curve: None };
     let data = MeshData {
         points: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 2e-4], [0.0, 2e-4]],
         cells: vec![[0, 1, 2], [0, 2, 3]],
         facets: vec![Facet { nodes: [3, 0], part: 0 }],
-        parts: vec![part(Condition::Free)],
+        parts: vec![part(Law::FREE)],
         ..MeshData::default()
     };
     let mesh = data.mesh().unwrap();
-    let (law, goal) = (Law::SIGNORINI, Accuracy::Error(0.1));
+    let goal = Accuracy::Error(0.1);
     let (most_nodes, bisections) = (1 << 20, Adaption::BISECTIONS);
-    let adaption = Adaption { coarsest: &mesh, f: "else=-1", law, goal, most_nodes, bisections };
+    let adaption = Adaption { coarsest: &mesh, f: "else=-1", goal, most_nodes, bisections };
     let run = adaption.run(&mut (), &|_| ()).unwrap();
     let reached = run.reached.as_ref().unwrap();
     assert_eq!((reached.end, run.pair().y.len()), (ReachEnd::Goal, 65 * 65));
     assert_eq!((reached.kind(), reached.tried), ("uniform", run.ends().len()));
     let marks = reached.marks.as_ref().unwrap();
     assert!(marks.len() == 6 && marks.iter().all(Vec::is_empty));
-    let anew = Problem::on_bisected(&mesh, marks, "else=-1", law).unwrap();
+    let anew = Problem::on_bisected(&mesh, marks, "else=-1").unwrap();
     assert!(finest(&anew) == finest(&run.problem));
     // The bounds are hardly wider than those of the solution to rounding.
-    let uniform = Problem::on_mesh(&mesh.into(), 6, "else=-1", law).unwrap();
+    let uniform = Problem::on_mesh(&mesh.into(), 6, "else=-1").unwrap();
     let solved = solve(&uniform, &Settings::of(Solver::Multigrid)).unwrap();
     let ratio = last(&run).error[1] / uniform.bounds(&solved.y).unwrap().error[1];
     assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");
@@ -362,7 +359,6 @@ fn circles_are_refined_for_what_the_bound_does_not_feel() {
     let adaption = Adaption {
         coarsest: &mesh,
         f: "else=-1",
-        law: Law::SIGNORINI,
         goal: Accuracy::Error(0.02),
         most_nodes: 1 << 20,
         bisections: Adaption::BISECTIONS,

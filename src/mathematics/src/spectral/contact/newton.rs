@@ -4,7 +4,7 @@
 //! on the other ends to first order where all K vanish, since the derivative of v by an end is K times a singular
 //! function; so to move each end by `-K / (1.5 K1)` towards the free side is Newton's method.
 
-use crate::mesh::Condition;
+use crate::problem::law::Law;
 use crate::spectral::fit::{Effort, Fit};
 use crate::spectral::geometry::boundary::State;
 use crate::spectral::geometry::ring::RingContact;
@@ -280,11 +280,11 @@ fn keep_off_corners(setup: &Setup, contact: &mut [RingContact]) {
                 }
                 let side = ring.place(corner).side;
                 let beyond = if which == 1 { side } else { side + ring.sides.len() - 1 };
-                *t += match (ring.sides[beyond % ring.sides.len()].condition, which) {
-                    (Condition::Fixed | Condition::Free, _) => -after,
+                *t += match (ring.sides[beyond % ring.sides.len()].law, which) {
+                    (Law::FIXED | Law::FREE, _) => -after,
                     // Contact leaves the corner free.
-                    (Condition::Contact, 0) => least - after,
-                    (Condition::Contact, _) => -least - after,
+                    (_, 0) => least - after,
+                    (..) => -least - after,
                 };
             }
         }

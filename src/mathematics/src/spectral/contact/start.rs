@@ -5,8 +5,8 @@ use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::load::LoadRule;
 use crate::mesh::{
-    AnyMesh, ClosedCurve, Condition, NestedMeshes, PlaneMesh, boundary_curves, mesh_load,
-    nested_meshes, square_boundary,
+    AnyMesh, ClosedCurve, NestedMeshes, PlaneMesh, boundary_curves, mesh_load, nested_meshes,
+    square_boundary,
 };
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
@@ -46,7 +46,6 @@ impl DiscreteStart {
     pub(in crate::spectral) fn on_mesh(
         coarsest: &PlaneMesh,
         f: &[Source],
-        law: Law,
         most_nodes: f64,
     ) -> Option<Self> {
         let of_either = AnyMesh::from(coarsest.clone());
@@ -55,8 +54,8 @@ impl DiscreteStart {
         let (finest, network) = (meshes.last()?, &networks.last()?.network);
         let load = mesh_load(finest, f).ok()?.load;
         let params = MultigridParams::default();
-        let (y, _) = solve_nested_networks(&networks, law.with_load(&load), &params).ok()?;
-        Some(Self::new(judge(network, law, &y, &load), y, boundary_curves(finest)))
+        let (y, _) = solve_nested_networks(&networks, &load, &params).ok()?;
+        Some(Self::new(judge(network, &y, &load), y, boundary_curves(finest)))
     }
 
     /// Solution on the grid of the square with so many cells per side; none if there is no solution.
@@ -65,7 +64,7 @@ impl DiscreteStart {
         let load = load(grid, f, LoadRule::Bilinear {});
         let params = MultigridParams::default();
         let (y, _) = solve_square(cells, law.with_load(&load), &params).ok()?;
-        Some(Self::new(judge(grid, law, &y, &load), y, vec![square_boundary(grid)]))
+        Some(Self::new(judge((grid, law), &y, &load), y, vec![square_boundary(grid, law)]))
     }
 
     fn new(judgement: Judgement, y: Vec<f64>, curves: Vec<ClosedCurve>) -> Self {
@@ -154,9 +153,9 @@ impl<'a> NodesOfLoop<'a> {
         self.values[k % self.many()]
     }
 
-    /// Condition on the edge after a node.
-    fn condition(&self, k: usize) -> Condition {
-        self.curve.conditions[k % self.many()]
+    /// Law on the edge after a node.
+    fn law(&self, k: usize) -> Law {
+        self.curve.laws[k % self.many()]
     }
 
     /// Arcs that stick, and the flux on the gaps; where v changes its sign a short arc.
@@ -180,7 +179,7 @@ impl<'a> NodesOfLoop<'a> {
     fn beginning(&self, k: usize) -> f64 {
         let many = self.many();
         let before = k + many - 1;
-        if [before, k].map(|k| self.condition(k)) != [Condition::Contact; 2] {
+        if ![before, k].iter().all(|&k| self.law(k).may_move()) {
             return self.place(k, 0.0);
         }
         let beyond = reach([self.value(before), self.value(before + many - 1)]);
@@ -190,7 +189,7 @@ impl<'a> NodesOfLoop<'a> {
     /// End of an arc at its last node.
     fn end(&self, k: usize) -> f64 {
         let before = k + self.many() - 1;
-        if [before, k].map(|k| self.condition(k)) != [Condition::Contact; 2] {
+        if ![before, k].iter().all(|&k| self.law(k).may_move()) {
             return self.place(before, 1.0);
         }
         let beyond = reach([self.value(k + 1), self.value(k + 2)]);

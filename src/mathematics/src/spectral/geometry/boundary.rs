@@ -2,17 +2,17 @@
 //! intervals into panels that get short towards these points.
 
 use super::ring::{PlaneRing, RingContact};
-use crate::mesh::Condition;
+use crate::problem::law::Law;
 use crate::problem::complex::Complex;
 use std::f64::consts::PI;
 
 impl PlaneRing {
     /// Condition at a distance along the loop: that of its side, or of the contact set where the law holds.
     fn state(&self, t: f64, contact: &RingContact) -> State {
-        match self.sides[self.place(t).side].condition {
-            Condition::Fixed => State::Held,
-            Condition::Free => State::Flux(0.0),
-            Condition::Contact => contact.flux(t, self.length()).map_or(State::Held, State::Flux),
+        match self.sides[self.place(t).side].law {
+            Law::FIXED => State::Held,
+            Law::FREE => State::Flux(0.0),
+            _ => contact.flux(t, self.length()).map_or(State::Held, State::Flux),
         }
     }
 
@@ -192,7 +192,7 @@ impl Walk {
                 length: lengths[k],
                 curvature: side.curvature(),
                 state: states[k],
-                lawful: side.condition == Condition::Contact,
+                lawful: side.law.may_move(),
                 f: 0.0,
                 run: usize::MAX,
             });
@@ -331,7 +331,7 @@ fn marks(
     for (k, arc) in contact.arcs.iter().enumerate() {
         for (which, t) in arc.iter().enumerate() {
             let t = t.rem_euclid(turn);
-            if ring.sides[ring.place(t).side].condition == Condition::Contact {
+            if ring.sides[ring.place(t).side].law.may_move() {
                 marks.push(Mark { t, end: Some((k, which)), ..Mark::default() });
             }
         }

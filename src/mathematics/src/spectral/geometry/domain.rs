@@ -3,16 +3,17 @@
 use super::curve::{Arc, Curve, SAME};
 use super::frame::Frame;
 use super::ring::PlaneRing;
-use crate::mesh::{Condition, Names};
+use crate::mesh::{Names};
 use crate::problem::complex::Complex;
 use crate::spectral::complex::distance;
+use crate::problem::law::Law;
 
 /// Side of a domain: a segment, or an arc of a circle, with one condition.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlaneSide {
     pub(in crate::spectral) arc: Arc,
     /// Condition on it.
-    pub condition: Condition,
+    pub law: Law,
     /// Number of the part of the boundary to which it belongs.
     pub part: usize,
     /// True if it goes on from the side before but for a bend that is too small for a corner.
@@ -30,20 +31,20 @@ pub(crate) struct PlaneCircle {
 
 impl PlaneSide {
     /// Segment between two points, in walking order.
-    pub(crate) fn segment([from, to]: [[f64; 2]; 2], condition: Condition, part: usize) -> Self {
+    pub(crate) fn segment([from, to]: [[f64; 2]; 2], law: Law, part: usize) -> Self {
         let [from, to] = [from, to].map(|[x, y]| Complex::new(x, y));
         let way = to - from;
         let length = way.norm();
         let curve = Curve::line(from, way.scaled(1.0 / length));
         let arc = Arc { curve, span: [0.0, length], ends: [None; 2] };
-        Self { arc, condition, part, is_after_bend: false }
+        Self { arc, law, part, is_after_bend: false }
     }
 
     /// Arc of a circle between two angles, anticlockwise if they rise; a full circle is one side.
     pub(crate) fn arc(
         circle: PlaneCircle,
         [from, to]: [f64; 2],
-        condition: Condition,
+        law: Law,
         part: usize,
     ) -> Self {
         let PlaneCircle { centre: [x, y], radius } = circle;
@@ -52,7 +53,7 @@ impl PlaneSide {
         let curve = Curve { origin, tangent: normal.turned(), curvature: 1.0 / radius };
         let span = [0.0, radius * (to - from)];
         let arc = Arc { curve, span, ends: [None; 2] };
-        Self { arc, condition, part, is_after_bend: false }
+        Self { arc, law, part, is_after_bend: false }
     }
 
     /// Length.

@@ -1,7 +1,8 @@
 //! Domains of meshes: the edges of a boundary joined to straight sides and arcs of circles.
 
-use crate::mesh::{ClosedCurve, Condition, Round};
+use crate::mesh::{ClosedCurve, Round};
 use crate::problem::complex::Complex;
+use crate::problem::law::Law;
 use crate::spectral::complex::{arg, distance};
 use crate::spectral::geometry::curve::Curve;
 use crate::spectral::geometry::domain::{PlaneCircle, PlaneError, PlaneSide};
@@ -31,10 +32,10 @@ pub(in crate::spectral) fn outline(
     frame: Frame,
 ) -> Result<Vec<PlaneSide>, PlaneError> {
     let mut edges = Vec::new();
-    for (k, &condition) in curve.conditions.iter().enumerate() {
+    for (k, &law) in curve.laws.iter().enumerate() {
         let part = curve.parts.get(k).map_or(0, |&part| usize::from(part));
         let circle = circles.get(part).copied().flatten();
-        edges.push(OutlineEdge { circle, condition, part });
+        edges.push(OutlineEdge { circle, law, part });
     }
     let points = curve.points.iter().chain(curve.points.first());
     let points = points.map(|&[x, y]| Complex::new(x, y)).collect();
@@ -52,12 +53,12 @@ pub(in crate::spectral) fn outline(
 }
 
 /// Edge of a curve, but for its ends.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::spectral) struct OutlineEdge {
     /// PlaneCircle on which it lies; none if it is straight.
     pub circle: Option<Round<2>>,
-    /// Condition on the boundary.
-    pub condition: Condition,
+    /// Law on the boundary.
+    pub law: Law,
     /// Position of its part among those of the mesh.
     pub part: usize,
 }
@@ -164,7 +165,7 @@ impl MeshOutline {
         places.push(if self.is_closed { places[0] } else { self.corner(many)? });
         let mut sides = Vec::new();
         for (span, ends) in self.spans(&corners).into_iter().zip(places.windows(2)) {
-            let OutlineEdge { circle, condition, part } = self.edges[span[0]];
+            let OutlineEdge { circle, law, part } = self.edges[span[0]];
             if let Some(circle) = circle {
                 sides.push(self.arc(circle, span, [ends[0], ends[1]]));
                 continue;
@@ -173,7 +174,7 @@ impl MeshOutline {
             let nodes: Vec<Complex> = [ends[0]].into_iter().chain(bends).chain([ends[1]]).collect();
             for (k, pair) in nodes.windows(2).enumerate() {
                 let ends = [pair[0], pair[1]].map(Complex::coordinates);
-                let side = PlaneSide::segment(ends, condition, part);
+                let side = PlaneSide::segment(ends, law, part);
                 sides.push(PlaneSide { is_after_bend: k > 0, ..side });
             }
         }
@@ -216,7 +217,7 @@ impl MeshOutline {
 
     /// Arc from one node to another, whose places are given.
     fn arc(&self, circle: Round<2>, [from, to]: [usize; 2], ends: [Complex; 2]) -> PlaneSide {
-        let (OutlineEdge { condition, part, .. }, many) = (self.edges[from], self.edges.len());
+        let (OutlineEdge { law, part, .. }, many) = (self.edges[from], self.edges.len());
         let Round { centre, radius, .. } = circle;
         let between = (from + 1..to).map(|k| self.points[k % many]);
         let middle = Complex::new(centre[0], centre[1]);
@@ -229,7 +230,7 @@ impl MeshOutline {
             turn = TAU.copysign(turn);
         }
         let start = arg(ends[0] - middle);
-        PlaneSide::arc(PlaneCircle { centre, radius }, [start, start + turn], condition, part)
+        PlaneSide::arc(PlaneCircle { centre, radius }, [start, start + turn], law, part)
     }
 
     /// PlaneCircle on which all nodes lie, as `curve` wants it for a part; none if there is none.

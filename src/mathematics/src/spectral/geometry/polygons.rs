@@ -2,7 +2,7 @@
 
 use super::domain::{PlaneCircle, PlaneDomain, PlaneError, PlaneSide};
 use super::frame::Frame;
-use crate::mesh::Condition;
+use crate::problem::law::Law;
 use std::f64::consts::PI;
 
 impl PlaneDomain {
@@ -15,27 +15,27 @@ impl PlaneDomain {
 /// Full circle round the origin.
 pub(in crate::spectral) fn circle(
     radius: f64,
-    condition: Condition,
+    law: Law,
     is_outer: bool,
 ) -> Vec<PlaneSide> {
     let angles = if is_outer { [0.0, 2.0 * PI] } else { [2.0 * PI, 0.0] };
     let own = PlaneCircle { centre: [0.0; 2], radius };
-    vec![PlaneSide::arc(own, angles, condition, usize::from(!is_outer))]
+    vec![PlaneSide::arc(own, angles, law, usize::from(!is_outer))]
 }
 
 /// Sides between these corners, with a condition each.
 pub(in crate::spectral) fn loop_of(
     points: &[[f64; 2]],
-    conditions: &[Condition],
+    laws: &[Law],
 ) -> Vec<PlaneSide> {
     let ends = |k: usize| [points[k], points[(k + 1) % points.len()]];
-    let sides = conditions.iter().enumerate();
-    sides.map(|(k, &condition)| PlaneSide::segment(ends(k), condition, k)).collect()
+    let sides = laws.iter().enumerate();
+    sides.map(|(k, &law)| PlaneSide::segment(ends(k), law, k)).collect()
 }
 
 /// Polygon with these corners, anticlockwise, in contact on all sides.
 pub(in crate::spectral) fn polygon(points: &[[f64; 2]]) -> PlaneDomain {
-    PlaneDomain::new(vec![loop_of(points, &vec![Condition::Contact; points.len()])]).unwrap()
+    PlaneDomain::new(vec![loop_of(points, &vec![Law::SIGNORINI; points.len()])]).unwrap()
 }
 
 /// Unit square round the origin.

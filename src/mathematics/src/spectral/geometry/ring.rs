@@ -40,7 +40,7 @@ impl PlaneRing {
         let (side, before, [prior, after]) = (&self.sides[k], self.before(k), self.tangents(k));
         (prior.cross(after).abs() < 1e-12 || side.is_after_bend)
             && prior.dot(after) > 0.0
-            && side.condition == before.condition
+            && side.law == before.law
             && (side.curvature() - before.curvature()).abs() < 1e-12
     }
 

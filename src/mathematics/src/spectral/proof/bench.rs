@@ -3,9 +3,8 @@
 pub(super) mod known;
 pub(super) mod spoilt;
 
-use crate::mesh::Condition::{self, Contact, Fixed, Free};
-use crate::problem::formula::Formula;
 use crate::problem::law::Law;
+use crate::problem::formula::Formula;
 use crate::spectral::geometry::domain::{PlaneCircle, PlaneDomain, PlaneSide};
 use crate::spectral::geometry::ring::RingContact;
 use crate::spectral::source::PlaneSource;
@@ -26,11 +25,11 @@ pub(in crate::spectral::proof) fn solved(name: &str) -> SolvedKnown {
     all_known().into_iter().find(|own| own.name == name).expect("its name is known").solved()
 }
 
-fn disc(condition: Condition) -> Vec<Vec<PlaneSide>> {
-    vec![circle(1.0, condition, true)]
+fn disc(law: Law) -> Vec<Vec<PlaneSide>> {
+    vec![circle(1.0, law, true)]
 }
 
-fn ring(outer: Condition, inner: Condition) -> Vec<Vec<PlaneSide>> {
+fn ring(outer: Law, inner: Law) -> Vec<Vec<PlaneSide>> {
     vec![circle(1.0, outer, true), circle(0.5, inner, false)]
 }
 
@@ -49,18 +48,18 @@ fn limit(hi: f64) -> Law {
 
 fn discs() -> Vec<BenchProblem> {
     let mut all = vec![
-        known("disc in contact", disc(Contact), one("else=-1"), vec![sticks()], -PI / 16.0),
-        known("fixed disc", disc(Fixed), one("else=2"), vec![sticks()], -PI / 4.0),
+        known("disc in contact", disc(Law::SIGNORINI), one("else=-1"), vec![sticks()], -PI / 16.0),
+        known("fixed disc", disc(Law::FIXED), one("else=2"), vec![sticks()], -PI / 4.0),
         known(
             "disc under friction",
-            disc(Contact),
+            disc(Law::SIGNORINI),
             (friction(0.6), pieces("else=1")),
             vec![sticks()],
             -PI / 16.0,
         ),
         known(
             "disc under a limit",
-            disc(Contact),
+            disc(Law::SIGNORINI),
             (limit(0.6), pieces("else=-1")),
             vec![sticks()],
             -PI / 16.0,
@@ -80,7 +79,7 @@ fn discs() -> Vec<BenchProblem> {
         ),
     ] {
         let own =
-            known(name, disc(Contact), one(place), vec![sticks()], with_disc(-1.0, [w, e, p]));
+            known(name, disc(Law::SIGNORINI), one(place), vec![sticks()], with_disc(-1.0, [w, e, p]));
         all.push(BenchProblem { is_hard: p > 0.0, ..own });
     }
     all
@@ -92,8 +91,8 @@ fn split_discs() -> Vec<BenchProblem> {
     // Flux 1 of a law that ends there: a part may as well slip.
     let unit = PlaneCircle { centre: [0.0; 2], radius: 1.0 };
     let parts = vec![
-        PlaneSide::arc(unit, [0.0, PI], Fixed, 0),
-        PlaneSide::arc(unit, [PI, 2.0 * PI], Contact, 1),
+        PlaneSide::arc(unit, [0.0, PI], Law::FIXED, 0),
+        PlaneSide::arc(unit, [PI, 2.0 * PI], Law::SIGNORINI, 1),
     ];
     let arcs = RingContact { arcs: vec![[4.0, 5.5]], gaps: vec![1.0] };
     all.push(known(
@@ -106,7 +105,7 @@ fn split_discs() -> Vec<BenchProblem> {
     let odd = one("halfplane(1,0,0)=-3; else=-1");
     let own = known(
         "crossings on a disc",
-        disc(Contact),
+        disc(Law::SIGNORINI),
         odd,
         vec![sticks()],
         -PI / 4.0 - 0.5 * HALF_DISC,
@@ -120,7 +119,7 @@ fn rings() -> Vec<BenchProblem> {
     let slipping = Radial::slipping(1.0, 0.0).energy(0.0);
     all.push(known(
         "gap round a fixed hole",
-        ring(Contact, Fixed),
+        ring(Law::SIGNORINI, Law::FIXED),
         one("else=1"),
         vec![slips(0.0), sticks()],
         slipping,
@@ -129,7 +128,7 @@ fn rings() -> Vec<BenchProblem> {
     let rubbing = (friction(0.4), pieces("else=3"));
     all.push(known(
         "ring that slips up",
-        ring(Contact, Fixed),
+        ring(Law::SIGNORINI, Law::FIXED),
         rubbing,
         vec![slips(-0.4), sticks()],
         slipping,
@@ -138,7 +137,7 @@ fn rings() -> Vec<BenchProblem> {
     let limited = (limit(0.3), pieces("else=-3"));
     all.push(known(
         "ring that slips down",
-        ring(Contact, Fixed),
+        ring(Law::SIGNORINI, Law::FIXED),
         limited,
         vec![slips(0.3), sticks()],
         slipping,
@@ -146,14 +145,14 @@ fn rings() -> Vec<BenchProblem> {
     let free = Radial::insulated(-2.0).energy(0.0);
     all.push(known(
         "free hole",
-        ring(Contact, Free),
+        ring(Law::SIGNORINI, Law::FREE),
         one("else=-2"),
         vec![sticks(), sticks()],
         free,
     ));
     all.push(known(
         "gap round a hole",
-        ring(Fixed, Contact),
+        ring(Law::FIXED, Law::SIGNORINI),
         one("else=2"),
         vec![sticks(), slips(0.0)],
         free,
@@ -161,7 +160,7 @@ fn rings() -> Vec<BenchProblem> {
     let held = Radial::held(-2.0).energy(0.0);
     all.push(known(
         "ring in contact",
-        ring(Contact, Contact),
+        ring(Law::SIGNORINI, Law::SIGNORINI),
         one("else=-2"),
         vec![sticks(), sticks()],
         held,
@@ -171,23 +170,23 @@ fn rings() -> Vec<BenchProblem> {
 
 fn sectors() -> Vec<BenchProblem> {
     let mut all = Vec::new();
-    for (name, angle, condition) in
-        [("sector of 60 degrees", PI / 3.0, Contact), ("three quarters of a disc", 1.5 * PI, Fixed)]
+    for (name, angle, law) in
+        [("sector of 60 degrees", PI / 3.0, Law::SIGNORINI), ("three quarters of a disc", 1.5 * PI, Law::FIXED)]
     {
         let energy = -angle / 32.0;
         all.push(known(
             name,
-            vec![sector(angle, condition)],
+            vec![sector(angle, law)],
             one("else=-1"),
             vec![sticks()],
             energy,
         ));
     }
-    let half = vec![sector(PI, Contact)];
+    let half = vec![sector(PI, Law::SIGNORINI)];
     let half: Vec<Vec<PlaneSide>> = half
         .into_iter()
         .map(|sides| {
-            sides.into_iter().map(|side| PlaneSide { condition: Contact, ..side }).collect()
+            sides.into_iter().map(|side| PlaneSide { law: Law::SIGNORINI, ..side }).collect()
         })
         .collect();
     let own = known("half disc", half, one("else=-2"), vec![sticks()], -HALF_DISC);
@@ -201,17 +200,17 @@ fn polygons() -> Vec<BenchProblem> {
     let torsion = -3f64.sqrt() / 640.0;
     all.push(known(
         "triangle",
-        vec![polygon(&triangle, &[Contact; 3])],
+        vec![polygon(&triangle, &[Law::SIGNORINI; 3])],
         one("else=-1"),
         vec![sticks()],
         torsion,
     ));
     let half = [[0.0, 0.0], [0.5, 0.0], [0.5, 0.75_f64.sqrt()]];
-    let half = vec![polygon(&half, &[Contact, Free, Contact])];
+    let half = vec![polygon(&half, &[Law::SIGNORINI, Law::FREE, Law::SIGNORINI])];
     all.push(known("half triangle", half, one("else=-1"), vec![sticks()], 0.5 * torsion));
     // v = -(1 - x^2) (1 - y^2).
     let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-    let square = vec![polygon(&square, &[Contact; 4])];
+    let square = vec![polygon(&square, &[Law::SIGNORINI; 4])];
     let f = Formula::read("-2*(2 - x^2 - y^2)", 2).unwrap();
     let domain = PlaneDomain::new(square.clone()).unwrap();
     let polynomial = Polynomial::of_formula(&f, &domain).unwrap();
@@ -223,12 +222,12 @@ fn polygons() -> Vec<BenchProblem> {
 fn bars() -> Vec<BenchProblem> {
     let mut all = Vec::new();
     let bar = [[0.0, 0.0], [1.5, 0.0], [1.5, 1.0], [0.0, 1.0]];
-    let open = vec![polygon(&bar, &[Fixed, Contact, Contact, Contact])];
+    let open = vec![polygon(&bar, &[Law::FIXED, Law::SIGNORINI, Law::SIGNORINI, Law::SIGNORINI])];
     let thin = [[0.0, 0.0], [4.0, 0.0], [4.0, 0.5], [0.0, 0.5]];
-    let thin = vec![polygon(&thin, &[Fixed, Contact, Contact, Contact])];
+    let thin = vec![polygon(&thin, &[Law::FIXED, Law::SIGNORINI, Law::SIGNORINI, Law::SIGNORINI])];
     all.push(known("thin bar", thin, one("else=1"), vec![slips(0.0)], -1.0 / 12.0));
     all.push(known("bar with gaps", open, one("else=1"), vec![slips(0.0)], -0.25));
-    let rubbing = vec![polygon(&bar, &[Fixed, Free, Contact, Free])];
+    let rubbing = vec![polygon(&bar, &[Law::FIXED, Law::FREE, Law::SIGNORINI, Law::FREE])];
     // v = 3/4 y - y^2 / 2, 1/4 at the top.
     let energy = 1.5 * (-0.5 * (0.375 - 1.0 / 6.0) + 0.125 * 0.25);
     all.push(known(

@@ -4,9 +4,8 @@ use super::super::geometry::domain::{PlaneDomain, PlaneSide};
 use super::super::geometry::polygons::{circle, polygon, square};
 use super::super::source::polynomial::Polynomial;
 use super::*;
-use crate::mesh::Condition;
-use crate::problem::formula::Formula;
 use crate::problem::law::Law;
+use crate::problem::formula::Formula;
 use crate::spectral::geometry::frame::Frame;
 use crate::spectral::geometry::ring::RingContact;
 use crate::spectral::source::{PlaneSource, RegionBorder, Regions};
@@ -118,7 +117,7 @@ fn polygons_and_discs_have_the_digits_of_two_levels() {
     let ends = [[0.4959209, 0.0381478], [0.2100324, 0.5775890]];
     let found = solved(triangle(), pieces("halfplane(1,.3,.4)=4; else=-3"), &ends);
     assert!((found.energy + 0.066541739).abs() < 1e-9, "{}", found.energy);
-    let disc = PlaneDomain::new(vec![circle(1.0, Condition::Contact, true)]).unwrap();
+    let disc = PlaneDomain::new(vec![circle(1.0, Law::SIGNORINI, true)]).unwrap();
     let ends = [[0.3312903, -0.9435289], [-0.2427919, 0.9700784]];
     let found = solved(disc.clone(), pieces("halfplane(1,.3,-.1)=4; else=-7"), &ends);
     assert!((found.energy + 4.500172948).abs() < 1e-9, "{}", found.energy);
@@ -165,8 +164,8 @@ fn without_f_nothing_moves_under_friction() {
 #[test]
 fn holes_and_friction_have_the_digits_of_two_levels() {
     let outer = [[-0.5510441, 0.8344761], [0.8789100, 0.4769876]];
-    for (condition, energy) in [(Condition::Fixed, -0.693480313), (Condition::Free, -1.042053659)] {
-        let loops = vec![circle(1.0, Condition::Contact, true), circle(0.5, condition, false)];
+    for (law, energy) in [(Law::FIXED, -0.693480313), (Law::FREE, -1.042053659)] {
+        let loops = vec![circle(1.0, Law::SIGNORINI, true), circle(0.5, law, false)];
         let domain = PlaneDomain::new(loops).unwrap();
         let start = start(&domain, &[(&outer, 0.0), (&[], 0.0)]);
         let source = pieces("disc(.2,.8,.15)=30; else=-2");
@@ -176,7 +175,7 @@ fn holes_and_friction_have_the_digits_of_two_levels() {
             &mut Effort::default(),
         )
         .unwrap();
-        assert!((found.energy - energy).abs() < 1e-9, "{condition:?}: {}", found.energy);
+        assert!((found.energy - energy).abs() < 1e-9, "{law:?}: {}", found.energy);
     }
     let ends = [
         [-1.0, -0.0155635],
@@ -211,7 +210,7 @@ fn on_two_regions(top: f64, others: &str) -> PlaneSource {
     let beside = [[0, 9], [1, 9], [1, 9], [1, 9], [1, 9], [0, 9], [9, 9], [0, 1], [0, 1]];
     let mut borders = Vec::new();
     for (k, regions) in beside.into_iter().enumerate().filter(|(_, regions)| *regions != [9, 9]) {
-        let side = PlaneSide::segment([points[k], points[k + 1]], Condition::Free, 0);
+        let side = PlaneSide::segment([points[k], points[k + 1]], Law::FREE, 0);
         borders.push(RegionBorder { side, regions: regions.map(|k| (k < 9).then_some(k)) });
     }
     let pieces = ["else=3", others].map(|f| f.parse().unwrap()).to_vec();
@@ -220,7 +219,7 @@ fn on_two_regions(top: f64, others: &str) -> PlaneSource {
 
 #[test]
 fn short_arcs_between_both_signs_of_v_move_to_their_place() {
-    let domain = PlaneDomain::new(vec![circle(1.0, Condition::Contact, true)]).unwrap();
+    let domain = PlaneDomain::new(vec![circle(1.0, Law::SIGNORINI, true)]).unwrap();
     let arcs = vec![[4.8089278, 4.8243186], [1.9340425, 1.9405874]];
     let contact = vec![RingContact { arcs, gaps: vec![0.0, 0.188] }];
     let source = pieces(

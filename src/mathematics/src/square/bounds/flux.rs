@@ -96,10 +96,10 @@ fn shift_reactions(law: Law, outer: &[f64], integral: f64, values: &mut [f64], h
         } else {
             of_nodes.clamp(reaction)
         };
-        parts.push(BoundaryPart { flux, measure: h });
+        parts.push(BoundaryPart { flux, measure: h, law: of_nodes });
     }
     let before = largest_flux(&parts);
-    shift_to_sum(law, &mut parts, -integral);
+    shift_to_sum(&mut parts, -integral);
     values.iter_mut().zip(&parts).for_each(|(value, part)| *value = part.flux);
     before.max(largest_flux(&parts))
 }

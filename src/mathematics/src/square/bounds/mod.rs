@@ -110,7 +110,7 @@ fn bracketed(
 ) -> Result<Bounds, NoBound> {
     assert_eq!(y.len(), grid.nodes());
     let data = AllCells::new(grid, f);
-    Component::in_contact(Grid::PERIMETER, data.integral).check(law, 0.0)?;
+    Component::whole(law, Grid::PERIMETER, data.integral).check(0.0)?;
     let projection = project(grid, Slips::of_law(law), y);
     let (found, slips) = summed(&data, law, &projection, recovered.as_deref_mut());
     let narrower = project(grid, slips, y);

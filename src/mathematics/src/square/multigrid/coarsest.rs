@@ -6,7 +6,7 @@ use super::stencil::{DIAGONAL, INVERSE, MULTIPLICATIONS_PER_VISIT};
 use crate::discrete::network::Network;
 use crate::multigrid::active_set::StateProblem;
 use crate::multigrid::direct::{Direct, FactorOrder};
-use crate::problem::law::BoundaryState;
+use crate::problem::law::{BoundaryState, Law};
 use std::sync::Arc;
 
 /// Limit on the number of active-set steps. There are at most a few dozen boundary nodes.
@@ -116,9 +116,10 @@ impl Coarsest {
         let components = vec![0; network.nodes()];
         let load: Vec<_> = self.nodes.iter().map(|node| node.load(level)).collect();
         // The measures of the network are twice as many as the sides of a node times its share.
-        let limit = 0.5 * level.limit;
+        let law = Law::up_to(0.5 * level.limit);
+        let laws = vec![law; network.contact().len()];
         let problem =
-            StateProblem { network: &network, components: &components, load: &load, limit };
+            StateProblem { network: &network, components: &components, load: &load, laws: &laws };
         let mut states = problem.all_stick();
         let mut work = 0.0;
         for _ in 0..MAX_STEPS {

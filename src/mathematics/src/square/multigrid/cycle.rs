@@ -23,7 +23,7 @@ use super::springs::set_springs;
 use super::stencil::{contact_nodes, energy};
 use super::workspace::Multigrid;
 use crate::problem::balance::{Balance, ContactValue, place_at_zero};
-use crate::problem::law::{BoundaryState, ContactNode};
+use crate::problem::law::{BoundaryState, ContactNode, Law};
 
 /// Over-relaxation factor inside, for the colour that the neighbouring transfers do not read or write.
 const RELAXATION: f64 = 1.15;
@@ -151,14 +151,15 @@ impl Multigrid {
             return level.in_contact.contains(&true);
         }
         let mut balance = Balance::default();
-        let nodes = contact_nodes(level.n);
-        for (ContactNode { node, measure }, sticks) in nodes.into_iter().zip(&level.in_contact) {
+        let nodes = contact_nodes(level.n, Law::up_to(self.limit));
+        for (ContactNode { node, measure, law }, sticks) in nodes.into_iter().zip(&level.in_contact)
+        {
             let state = match sticks {
                 true => BoundaryState::Sticks,
                 false if level.value(node) < 0.0 => BoundaryState::SlipsDown,
                 false => BoundaryState::SlipsUp,
             };
-            balance.see(state, measure);
+            balance.see(state, measure * law.hi());
         }
         balance.holds(self.needed)
     }
@@ -169,11 +170,11 @@ impl Multigrid {
     /// With an empty contact set the corrections would be unbounded. Since the flux can balance the load, the solution
     /// is zero somewhere on the boundary.
     fn shift_into_contact(&mut self, l: usize) {
-        let level = &mut self.levels[l];
+        let (level, law) = (&mut self.levels[l], Law::up_to(self.limit));
         let mut nodes = Vec::with_capacity(level.in_contact.len());
-        for (number, contact) in contact_nodes(level.n).into_iter().enumerate() {
-            let (measure, value) = (contact.measure, level.value(contact.node));
-            nodes.push(ContactValue { number, measure, value, multiplier: 0.0 });
+        for (number, contact) in contact_nodes(level.n, law).into_iter().enumerate() {
+            let (most, value) = (contact.measure * law.hi(), level.value(contact.node));
+            nodes.push(ContactValue { number, most, value, multiplier: 0.0 });
         }
         let place = place_at_zero(&mut nodes, self.needed);
         let ContactValue { number: at, value: zero, .. } = nodes[place];

@@ -19,7 +19,7 @@ use crate::discrete::load_stats::LoadStats;
 use crate::machine::threads::among_threads;
 use crate::multigrid::driver::{self, Hierarchy, LoadScale};
 use crate::multigrid::{Goal, InputError, MultigridParams, check_length, check_load};
-use crate::problem::law::Law;
+use crate::problem::law::{Law, LawSum, OneSided};
 use crate::problem::unsolvable::Component;
 
 /// Ratio of the residual to the load, both on the finest grid but one in the root mean square, below which the
@@ -37,8 +37,8 @@ const STALLING: f64 = 0.3;
 const ALTERNATION: f64 = 1e-3;
 
 /// The square with a load.
-fn loaded_square(stats: &LoadStats) -> Component {
-    Component::in_contact(Grid::PERIMETER, stats.sum())
+fn loaded_square(law: Law, stats: &LoadStats) -> Component {
+    Component::whole(law, Grid::PERIMETER, stats.sum())
 }
 
 impl Multigrid {
@@ -55,9 +55,10 @@ impl Multigrid {
         among_threads(self.finest().nodes, || {
             // The load is read in natural order and written in red and black rows, the solution the other way round.
             (self.work_units, self.traffic) = (0.0, 32.0);
-            self.one_sided = problem.law.one_sided(problem.load);
-            let limit = self.one_sided.limit;
-            driver::solve(&mut SquareRun::new(self, problem, params.goal), limit, params)
+            let laws = LawSum::of(problem.law, Grid::PERIMETER);
+            self.one_sided = OneSided::new(&laws, problem.load)?;
+            let has_limits = problem.law.is_bounded();
+            driver::solve(&mut SquareRun::new(self, problem, params.goal), has_limits, params)
         })
     }
 
@@ -74,20 +75,21 @@ impl Multigrid {
     fn set_problem(&mut self, LawAndLoad { law, load }: LawAndLoad<'_>) -> Result<(), InputError> {
         let (n, nodes) = (self.finest().n, self.finest().nodes);
         check_length(nodes, load)?;
-        if self.one_sided.is_same() {
+        if !self.one_sided.is_reflected && law.lo() == 0.0 {
             return self.set_load(load, law);
         }
-        check_load(&[loaded_square(&LoadStats::measure(load))], law)?;
-        let load = self.one_sided.load(load, &contact_nodes(n));
+        check_load(&[loaded_square(law, &LoadStats::measure(load))])?;
+        let load = self.one_sided.load(load, &contact_nodes(n, law));
         self.set_load(&load, Law::SIGNORINI)
     }
 
-    /// Sets the largest flux on all grids.
-    fn set_limit(&mut self, limit: f64) {
+    /// Sets the largest flux on all grids: none without limits.
+    fn set_limit(&mut self, law: Law, has_limits: bool) {
+        let limit = if has_limits { law.one_sided().hi() } else { f64::INFINITY };
         for level in &mut self.levels {
             level.limit = 2.0 / level.n as f64 * (limit / self.scale);
         }
-        self.needed = self.needed_flow / limit;
+        self.limit = limit;
     }
 
     /// Sets the scaled loads of all grids.
@@ -99,8 +101,8 @@ impl Multigrid {
             Some(coarse) => load::set_finest_two(load, top, coarse),
             None => load::set_finest(load, top),
         };
-        check_load(&[loaded_square(&stats)], law)?;
-        self.needed_flow = -stats.sum();
+        check_load(&[loaded_square(law, &stats)])?;
+        self.needed = -stats.sum();
         self.scale = stats.scale();
         rows::scale(&mut top.load, 1.0 / self.scale);
         top.load_scale = stats.largest / self.scale;
@@ -171,10 +173,10 @@ impl Hierarchy for SquareRun<'_> {
         self.grids.levels.len() - 1
     }
 
-    fn set_problem(&mut self, limit: f64) -> Result<LoadScale, InputError> {
+    fn set_problem(&mut self, has_limits: bool) -> Result<LoadScale, InputError> {
         let grids = &mut *self.grids;
         grids.set_problem(self.problem)?;
-        grids.set_limit(limit);
+        grids.set_limit(self.problem.law, has_limits);
         if self.goal == Goal::DiscretisationError && grids.levels.len() > 1 {
             grids.coarse_load = grids.coarse_norm();
         }
@@ -241,8 +243,8 @@ impl Hierarchy for SquareRun<'_> {
         f64::EPSILON * self.grids.finest().max_abs()
     }
 
-    fn residual_under(&mut self, limit: f64) -> Result<f64, InputError> {
-        self.grids.set_limit(limit);
+    fn residual_under(&mut self, has_limits: bool) -> Result<f64, InputError> {
+        self.grids.set_limit(self.problem.law, has_limits);
         Ok(self.grids.natural_residual())
     }
 

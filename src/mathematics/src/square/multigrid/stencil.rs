@@ -4,7 +4,7 @@ use super::level::MultigridLevel;
 use super::rows::{self, Colour, GridRow, boundary_nodes, mirrored, share, stride};
 use crate::discrete::stiffness::sides;
 use crate::machine::simd::Largest;
-use crate::problem::law::ContactNode;
+use crate::problem::law::{ContactNode, Law};
 
 /// Diagonal of the stencil.
 pub(super) const DIAGONAL: f64 = 4.0;
@@ -136,14 +136,14 @@ pub(super) fn edges(row: GridRow, colour: Colour) -> impl Iterator<Item = (usize
     })
 }
 
-/// Boundary nodes in the order of their numbers, with their positions in natural order.
-pub(super) fn contact_nodes(n: usize) -> Vec<ContactNode> {
+/// Boundary nodes under a law in the order of their numbers, with their positions in natural order.
+pub(super) fn contact_nodes(n: usize, law: Law) -> Vec<ContactNode> {
     let mut nodes = Vec::with_capacity(boundary_nodes(n));
     let measure = 1.0 / n as f64;
     for j in 0..=n {
         let step = if (GridRow { n, j }).is_inner() { n } else { 1 };
         for i in (0..=n).step_by(step) {
-            nodes.push(ContactNode { node: j * (n + 1) + i, measure });
+            nodes.push(ContactNode { node: j * (n + 1) + i, measure, law });
         }
     }
     nodes

@@ -17,9 +17,9 @@ pub struct Multigrid {
     /// Problem as given, seen as the one that is solved.
     pub(super) one_sided: OneSided,
     /// Flow through the boundary that balances the load.
-    pub(super) needed_flow: f64,
-    /// Measure of the boundary that balances the load if it slips down and all else slips up; zero for the paper's law.
     pub(super) needed: f64,
+    /// Largest flux, in the units of the problem.
+    pub(super) limit: f64,
     /// Power of two by which the load is divided, so that no residual overflows or underflows.
     pub(super) scale: f64,
     /// Norm of the load on the finest grid but one, before a residual takes its place.
@@ -49,9 +49,9 @@ impl Multigrid {
             levels: cells.take_while(|&cells| cells <= n).map(MultigridLevel::new).collect(),
             coarsest: Coarsest::new(coarsest),
             springs: SpringSource { cells: None, in_contact: Vec::new() },
-            one_sided: OneSided { is_reflected: false, shift: 0.0, limit: f64::INFINITY },
-            needed_flow: 0.0,
+            one_sided: OneSided { is_reflected: false },
             needed: 0.0,
+            limit: f64::INFINITY,
             scale: 1.0,
             coarse_load: 0.0,
             work_units: 0.0,

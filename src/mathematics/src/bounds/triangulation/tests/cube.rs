@@ -7,7 +7,6 @@ use crate::mesh::{MeshLoad, mesh_load, refined, uniform_cube};
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::exact::{CubeExact, Known};
-use crate::problem::law::Law;
 use crate::problem::source::Source;
 
 /// Bounds of the solution on a mesh, and its energy.
@@ -23,10 +22,9 @@ fn solved(f: &Source<3>, times: usize) -> SolvedCube {
     let network = &levels[times].network;
     let made = mesh_load(&mesh, f).unwrap();
     let MeshLoad { load, unsettled, .. } = &made;
-    let problem = Law::SIGNORINI.with_load(load);
-    let (y, _) = solve_nested_networks(&levels, problem, &MultigridParams::default()).unwrap();
-    let bounds = bounds_on_mesh(&mesh, network, &made, Law::SIGNORINI, &y).unwrap();
-    let energy = judge(network, Law::SIGNORINI, &y, load).energy;
+    let (y, _) = solve_nested_networks(&levels, load, &MultigridParams::default()).unwrap();
+    let bounds = bounds_on_mesh(&mesh, network, &made, &y).unwrap();
+    let energy = judge(network, &y, load).energy;
     SolvedCube { bounds, energy, is_sampled: unsettled.is_some() }
 }
 

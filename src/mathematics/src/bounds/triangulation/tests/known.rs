@@ -9,7 +9,7 @@ use super::bounds_on_mesh;
 use super::{Facet, MeshData, straight};
 use crate::bounds::triangulation::BoundedProblem;
 use crate::discrete::network::Network;
-use crate::mesh::{Condition, MeshLoad, PlaneMesh, Sides, assemble, mesh_load};
+use crate::mesh::{MeshLoad, PlaneMesh, Sides, assemble, mesh_load};
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 
@@ -63,11 +63,10 @@ impl Line {
     }
 }
 
-/// Unit square of n by n cells, each cut by the rising diagonal; fixed on the left, in contact on the right.
-fn mesh(n: u32) -> PlaneMesh {
-    let parts =
-        [("fixed", Condition::Fixed), ("law", Condition::Contact), ("free", Condition::Free)];
-    let parts = parts.map(|(name, condition)| straight(name, condition)).into();
+/// Unit square of n by n cells, each cut by the rising diagonal; fixed on the left, under a law on the right.
+fn mesh(n: u32, law: Law) -> PlaneMesh {
+    let parts = [("fixed", Law::FIXED), ("law", law), ("free", Law::FREE)];
+    let parts = parts.map(|(name, law)| straight(name, law)).into();
     let mut data = MeshData { parts, ..MeshData::default() };
     for (j, i) in (0..=n).flat_map(|j| (0..=n).map(move |i| (j, i))) {
         data.points.push([i, j].map(|k| f64::from(k) / f64::from(n)));
@@ -98,7 +97,7 @@ struct KnownProblem {
 
 impl KnownProblem {
     fn new(n: u32, (text, parts): (&str, &[LinearPart]), law: Law) -> Self {
-        let mesh = mesh(n);
+        let mesh = mesh(n, law);
         let f = mesh_load(&mesh, &text.parse::<Source>().unwrap()).unwrap();
         let network = assemble(&mesh);
         Self { network, f, law, line: Line::new(parts, law), mesh, n: n as usize }
@@ -145,7 +144,7 @@ impl KnownProblem {
     }
 
     fn check(&self, text: &str, y: &[f64]) {
-        let bounds = bounds_on_mesh(&self.mesh, &self.network, &self.f, self.law, y).unwrap();
+        let bounds = bounds_on_mesh(&self.mesh, &self.network, &self.f, y).unwrap();
         let (energy, error, [low, high]) = (self.line.energy(), self.error(y), bounds.energy);
         let place = format!("{text}, 1/{}, {}: {y:?}", self.n, self.law);
         assert!(low <= energy + 1e-6 && energy - 1e-6 <= high, "{place}: {low} {energy} {high}");
@@ -201,9 +200,8 @@ fn the_squares_of_the_errors_in_the_cells_sum_to_that_of_the_whole() {
         let mut y = problem.values(SOURCES[1].1);
         y[9] = value.unwrap_or(y[9]);
         let sides = Sides::new(&problem.mesh);
-        let KnownProblem { mesh, network, f, law, .. } = &problem;
-        let found =
-            BoundedProblem { mesh, sides: &sides, network, f, law: *law }.bounds(&y).unwrap();
+        let KnownProblem { mesh, network, f, .. } = &problem;
+        let found = BoundedProblem { mesh, sides: &sides, network, f }.bounds(&y).unwrap();
         let sum: f64 = found.squares.iter().sum();
         let square = found.bounds.error[1].powi(2);
         assert!((sum - square).abs() < 1e-9 * square, "{sum} {square}");
@@ -227,9 +225,8 @@ fn deviations_of_f_from_its_means_count_by_poincares_constant() {
         cells: vec![[0, 1, 2], [0, 2, 3]],
         ..MeshData::default()
     };
-    let mesh = data.mesh().unwrap();
+    let mesh = data.mesh().unwrap().with_law(Law::friction(0.01).unwrap());
     let load = mesh_load(&mesh, &f).unwrap();
-    let law = Law::friction(0.01).unwrap();
-    let found = bounds_on_mesh(&mesh, &assemble(&mesh), &load, law, &[0.0; 4]).unwrap();
+    let found = bounds_on_mesh(&mesh, &assemble(&mesh), &load, &[0.0; 4]).unwrap();
     assert!(found.energy[0] < -0.030, "{found:?}");
 }

@@ -1,42 +1,37 @@
 //! Random vectors, conditions and functions f: all brackets of a problem must hold one energy.
 
 use super::{TestProblem, constant_on_cells, noise, overlap, straight};
-use crate::mesh::{BuiltIn, CellData, Condition, Element, Mesh, MeshLoad, refine};
+use crate::mesh::{BuiltIn, CellData, Element, Mesh, MeshLoad, refine};
+use crate::problem::law::Law;
 use proptest::prelude::*;
 
 /// Conditions on a third of the facets each, in which way they follow each other, and the frequencies of all noise.
 #[derive(Clone, Debug)]
 struct RandomCase {
-    conditions: [Condition; 3],
+    laws: [Law; 3],
     run: usize,
     frequencies: [f64; 4],
 }
 
 fn random_case() -> impl Strategy<Value = RandomCase> {
-    let condition = prop::sample::select(vec![
-        Condition::Contact,
-        Condition::Contact,
-        Condition::Fixed,
-        Condition::Free,
-    ]);
-    let conditions = prop::array::uniform3(condition);
+    let law = prop::sample::select(vec![Law::SIGNORINI, Law::SIGNORINI, Law::FIXED, Law::FREE]);
+    let laws = prop::array::uniform3(law);
     let frequencies = prop::array::uniform4(1.0f64..1000.0);
-    (conditions, 1..6usize, frequencies)
-        .prop_filter("a boundary that is not free", |(conditions, ..)| {
-            conditions.iter().any(|condition| *condition != Condition::Free)
+    (laws, 1..6usize, frequencies)
+        .prop_filter("a boundary that is not free", |(laws, ..)| {
+            laws.iter().any(|law| *law != Law::FREE)
         })
-        .prop_map(|(conditions, run, frequencies)| RandomCase { conditions, run, frequencies })
+        .prop_map(|(laws, run, frequencies)| RandomCase { laws, run, frequencies })
 }
 
 /// Checks that the brackets of many vectors hold one energy, and that the bounds of their errors agree with the
 /// distances between them.
 fn check_brackets<const D: usize, const V: usize>(mut mesh: Mesh<D, V>, case: &RandomCase) {
-    mesh.parts = (0..3).map(|k| straight(&k.to_string(), case.conditions[k])).collect();
+    mesh.parts = (0..3).map(|k| straight(&k.to_string(), case.laws[k])).collect();
     for (k, facet) in mesh.facets.iter_mut().enumerate() {
         facet.part = ((k / case.run) % 3) as u16;
     }
-    if mesh.facets.iter().all(|facet| mesh.parts[facet.part as usize].condition == Condition::Free)
-    {
+    if mesh.facets.iter().all(|facet| mesh.parts[facet.part as usize].law == Law::FREE) {
         return;
     }
     let cells = mesh.cells().len();

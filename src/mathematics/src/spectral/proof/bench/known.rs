@@ -1,6 +1,6 @@
 //! Problems whose energy is known in closed form, with fits of one contact set.
 
-use crate::mesh::Condition;
+use crate::problem::law::Law;
 use crate::problem::law::Law;
 use crate::spectral::contact::search::PlaneFound;
 use crate::spectral::fit::Fit;
@@ -59,13 +59,13 @@ pub(in crate::spectral::proof) fn pieces(f: &str) -> PlaneSource {
 }
 
 /// Sector of the unit disc, with free straight sides.
-pub(super) fn sector(angle: f64, arc: Condition) -> Vec<PlaneSide> {
+pub(super) fn sector(angle: f64, arc: Law) -> Vec<PlaneSide> {
     let end = [libm::cos(angle), libm::sin(angle)];
     let unit = PlaneCircle { centre: [0.0; 2], radius: 1.0 };
     vec![
-        PlaneSide::segment([[0.0; 2], [1.0, 0.0]], Condition::Free, 0),
+        PlaneSide::segment([[0.0; 2], [1.0, 0.0]], Law::FREE, 0),
         PlaneSide::arc(unit, [0.0, angle], arc, 1),
-        PlaneSide::segment([end, [0.0; 2]], Condition::Free, 2),
+        PlaneSide::segment([end, [0.0; 2]], Law::FREE, 2),
     ]
 }
 

@@ -1,7 +1,6 @@
 //! Small shapes that are moved, and whose borders are.
 
 use super::*;
-use crate::mesh::Condition;
 use crate::problem::law::Law;
 use crate::spectral::geometry::domain::PlaneDomain;
 use crate::spectral::problem::PlaneProblem;
@@ -10,7 +9,7 @@ use crate::spectral::proof::bench::known::{circle, pieces};
 /// Jumps of two small shapes on the unit disc, under the first of which the middle of the second may move.
 fn setup(radius: f64, [x, y]: [f64; 2]) -> Setup {
     let f = format!("disc(0.5,0.1,1e-4)=-1e8; disc({x},{y},{radius})=-2e8; else=-1");
-    let domain = PlaneDomain::new(vec![circle(1.0, Condition::Contact, true)]).unwrap();
+    let domain = PlaneDomain::new(vec![circle(1.0, Law::SIGNORINI, true)]).unwrap();
     Setup::new(&PlaneProblem { domain, law: Law::SIGNORINI, source: pieces(&f) }).unwrap()
 }
 

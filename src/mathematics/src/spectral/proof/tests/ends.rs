@@ -1,6 +1,5 @@
 //! Brackets of a solution with ends of contact, whose energy is that of the square's closed form.
 
-use crate::mesh::Condition;
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::spectral::contact::search::{PlaneFound, search};
@@ -34,7 +33,7 @@ fn brackets_with_ends_of_contact_hold_the_energy_of_the_closed_form() {
     // Exact to its last digits: its own two formulas of the energy agree to 1e-15.
     let energy: f64 = -0.09505172075335079;
     let square = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
-    let loops = polygon(&square, &[Condition::Contact; 4]);
+    let loops = polygon(&square, &[Law::SIGNORINI; 4]);
     let arcs = [[(1, 0.5 + q), (2, 0.5 - q)]];
     let (setup, mut found) = found(loops, "quadrant(ll)=3; else=-1.1", &arcs);
     let splits = found.fit.walk.splits.iter().enumerate();

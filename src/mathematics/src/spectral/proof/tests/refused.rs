@@ -1,6 +1,6 @@
 //! Setups for which the argument does not hold, each with the part that is not proved.
 
-use crate::mesh::Condition;
+use crate::problem::law::Law;
 use crate::problem::complex::Complex;
 use crate::spectral::contact::search::PlaneFound;
 use crate::spectral::functions::{Family, Power};
@@ -131,7 +131,7 @@ fn a_flux_without_room_in_the_law_is_refused() {
     let mut contact = known.contact.clone();
     contact[0].arcs[0] = [1.0, 5.5];
     let mut problem = known.problem.clone();
-    problem.domain = PlaneDomain::new(vec![circle(1.0, Condition::Contact, true)]).unwrap();
+    problem.domain = PlaneDomain::new(vec![circle(1.0, Law::SIGNORINI, true)]).unwrap();
     let mut own = BenchProblem { problem, contact, ..known }.solved();
     Spoiling::Power(2, Complex::new(1e-5, 0.0)).spoil(&mut own.found.fit);
     assert_eq!(proved(&own.setup, &own.found), Err("room of the flux in the law"));

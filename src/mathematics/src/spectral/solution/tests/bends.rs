@@ -43,7 +43,7 @@ fn a_side_with_small_bends_is_the_path_of_its_nodes() {
         (1..10).map(|k| [0.1 * f64::from(k), 3e-11 * f64::from(k * (10 - k))]).collect();
     let mesh = lowered(&nodes);
     let f = [Source::constant(-1.0)];
-    let problem = PlaneProblem::on_mesh(mesh.plane().unwrap(), &f, Law::SIGNORINI).unwrap();
+    let problem = PlaneProblem::on_mesh(mesh.plane().unwrap(), &f).unwrap();
     let sides = &problem.domain.rings[0].sides;
     assert_eq!(sides.iter().map(|side| side.is_after_bend).filter(|own| *own).count(), 9);
     assert_eq!(sides.len(), 13);

@@ -1,7 +1,7 @@
 //! Problems in which numbers nearly agree: what a tolerance changes of f is in the bracket.
 
 use super::{PlaneSource, lshape, pieces, polygon, proved, seen_lshape};
-use crate::mesh::Condition;
+use crate::problem::law::Law;
 use crate::problem::complex::Complex;
 use crate::spectral::geometry::curve::{Arc, Curve};
 use crate::spectral::geometry::domain::PlaneError;
@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 #[test]
 fn brackets_hold_the_weight_of_shapes_that_are_too_narrow_for_the_solver() {
     let mut free = polygon(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]);
-    free.rings[0].sides[0].condition = Condition::Free;
+    free.rings[0].sides[0].law = Law::FREE;
     for (domain, narrow, wide) in [
         (
             seen_lshape(),

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::spectral::geometry::polygons::loop_of;
+use crate::problem::law::Law;
 
 /// Domain of loops of corners, whose sides are free along these lines x = .. and y = ... .
 fn with_free(loops: &[&[[f64; 2]]], lines: [Option<f64>; 2]) -> PlaneDomain {
@@ -12,7 +13,7 @@ fn with_free(loops: &[&[[f64; 2]]], lines: [Option<f64>; 2]) -> PlaneDomain {
             let ends = [points[k], points[(k + 1) % points.len()]];
             let is_free =
                 (0..2).any(|axis| lines[axis].is_some_and(|at| ends.iter().all(|p| p[axis] == at)));
-            conditions.push(if is_free { Condition::Free } else { Condition::Contact });
+            conditions.push(if is_free { Law::FREE } else { Law::SIGNORINI });
         }
         all.push(loop_of(points, &conditions));
     }
@@ -97,7 +98,7 @@ fn contact_that_ends_where_a_side_is_free_ends_in_the_corner() {
         [[0.5, a], [a, 0.5], [-a, 0.5], [-0.5, a], [-0.5, -a], [-a, -0.5], [a, -0.5], [0.5, -a]];
     let whole = bracket_from(square(), F, start(&square(), &[(&ends, 0.0)]));
     // Sides that are free meet the other at right angles and at 45 degrees, where powers are whole.
-    let conditions = [Condition::Free, Condition::Contact, Condition::Free];
+    let conditions = [Law::FREE, Law::SIGNORINI, Law::FREE];
     let sides = loop_of(&[[0.0, 0.0], [0.5, 0.0], [0.5, 0.5]], &conditions);
     let part = PlaneDomain::new(vec![sides]).unwrap();
     // Next to the corner, as Newton's method finds it there.

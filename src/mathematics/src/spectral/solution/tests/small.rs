@@ -3,6 +3,7 @@
 use super::*;
 use crate::problem::complex::Complex;
 use crate::spectral::geometry::panels::gauss;
+use crate::problem::law::Law;
 
 /// Guaranteed bracket where all sticks.
 fn bracket_of(domain: &PlaneDomain, source: PlaneSource) -> [f64; 2] {
@@ -27,7 +28,7 @@ fn check_width(name: &str, [lower, upper]: [f64; 2], energy: f64, width: f64) {
 }
 
 fn disc() -> PlaneDomain {
-    PlaneDomain::new(vec![circle(1.0, Condition::Contact, true)]).unwrap()
+    PlaneDomain::new(vec![circle(1.0, Law::SIGNORINI, true)]).unwrap()
 }
 
 #[test]
@@ -189,10 +190,10 @@ fn region(corners: &[Complex], f: f64) -> PlaneSource {
     let (many, mut borders) = (corners.len(), Vec::new());
     for k in 0..many {
         let ends = [corners[k], corners[(k + 1) % many]].map(Complex::coordinates);
-        let side = PlaneSide::segment(ends, Condition::Free, 0);
+        let side = PlaneSide::segment(ends, Law::FREE, 0);
         borders.push(RegionBorder { side, regions: [Some(0), Some(1)] });
     }
-    let boundary = &circle(1.0, Condition::Contact, true)[0];
+    let boundary = &circle(1.0, Law::SIGNORINI, true)[0];
     borders.push(RegionBorder { side: *boundary, regions: [Some(1), None] });
     let pieces = [format!("else={f}"), "else=-1".into()].map(|f| f.parse().unwrap()).to_vec();
     PlaneSource::Regions(Regions { borders, pieces })
