@@ -85,11 +85,8 @@ impl SolveOfMember {
 
     /// Name of the law as scenes write it, and its parameter.
     fn law_and_parameter(&self) -> (&'static str, Option<f64>) {
-        match self.statement.law {
-            None => ("signorini", None),
-            Some(LawParameter::Friction(g)) => ("friction", Some(g)),
-            Some(LawParameter::Limit(limit)) => ("limit", Some(limit)),
-        }
+        let named = self.statement.law.map(LawParameter::named);
+        named.map_or(("signorini", None), |(name, number)| (name, Some(number)))
     }
 }
 

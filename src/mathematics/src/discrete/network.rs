@@ -387,13 +387,11 @@ impl Network {
         y: &[f64],
         gradient: impl Fn(usize) -> f64,
     ) -> f64 {
-        let mut largest = 0.0;
-        for node in 0..self.nodes() {
+        y.iter().enumerate().fold(0.0, |largest, (node, value)| {
             let ContactNode { measure, law, .. } = self.at(node);
             let law = self.place(node).and_then(|place| laws.get(place)).unwrap_or(&law);
-            largest = max_or_nan(largest, law.residual(y[node], gradient(node), measure));
-        }
-        largest
+            max_or_nan(largest, law.residual(*value, gradient(node), measure))
+        })
     }
 
     /// Energy `1/2 <A y, y> - <F, y>`, without the law's term.

@@ -411,6 +411,14 @@ impl fmt::Display for Law {
 }
 
 impl LawParameter {
+    /// Name in scenes and options, and the number.
+    pub fn named(self) -> (&'static str, f64) {
+        match self {
+            Self::Friction(g) => ("friction", g),
+            Self::Limit(limit) => ("limit", limit),
+        }
+    }
+
     /// Law with this parameter.
     ///
     /// # Errors

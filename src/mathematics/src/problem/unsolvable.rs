@@ -41,15 +41,10 @@ impl fmt::Display for Unsolvable {
             (true, false) => format!("one above {low}"),
         };
         let mut remedies = Vec::new();
-        match enough {
-            Some(LawParameter::Friction(g)) => {
-                remedies.push(format!("raise friction to {}", Written(g)))
-            }
-            Some(LawParameter::Limit(limit)) => {
-                remedies.push(format!("raise limit to {}", Written(limit)))
-            }
-            None => {}
-        }
+        remedies.extend(enough.map(|parameter| {
+            let (name, number) = parameter.named();
+            format!("raise {name} to {}", Written(number))
+        }));
         remedies.push(if least.is_finite() { "change f" } else { "lower f somewhere" }.into());
         remedies.extend(has_parts.then(|| "fix a part of the boundary".into()));
         let last = remedies.pop().unwrap_or_default();

@@ -3,7 +3,7 @@
 use super::*;
 use signorini_mathematics::bounds::{Accuracy, NoBound};
 use signorini_mathematics::discrete::end::{Stop, Violation};
-use signorini_mathematics::problem::law::{Law, LawParameter};
+use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::solvers::SaddleSettings;
 use signorini_mathematics::statement::Domain;
 
@@ -23,7 +23,7 @@ fn warnings() -> Vec<Warning> {
         Warning::Points { level: level(), sum_load, integral },
         Warning::Quadrature { level: level(), missed: 0.02 },
         Warning::Jumps("f jumps on grid lines".into()),
-        Warning::Force { law: Law::SIGNORINI, force: 1.0, load: 0.5 },
+        Warning::Force { is_papers_law: true, force: 1.0, load: 0.5 },
         Warning::NoBound(NoBound::Missed { part: 0.2 }),
         Warning::Energy,
         Warning::Error { relative: 0.6 },

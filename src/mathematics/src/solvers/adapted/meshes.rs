@@ -146,10 +146,10 @@ impl<'a> Meshes<'a> {
         let network = &self.networks[self.networks.len() - 1].network;
         let found = components(network, &self.component_of, &self.load.load);
         let rounding = ROUNDING * self.load.size;
-        if let Err(reason) = self.check(&found, rounding) {
+        if let Err(reason) = found.iter().try_for_each(|of| of.check(rounding)) {
             return if self.is_coarse() { Ok(Err(reason.into())) } else { Err(reason.into()) };
         }
-        let has_solution = self.check(&found, 0.0).is_ok();
+        let has_solution = found.iter().all(|of| of.check(0.0).is_ok());
         let tolerance = if self.is_slow || self.is_stretched { SLOW_TOLERANCE } else { TOLERANCE };
         let goal = Goal::Kkt(tolerance * largest(&self.load.load));
         let usual = MultigridParams::default();
@@ -166,10 +166,6 @@ impl<'a> Meshes<'a> {
         let bounds = self.improve(&MultigridParams::default(), has_solution)?;
         self.note(&bounds);
         Ok(bounds)
-    }
-
-    fn check(&self, components: &[Component], rounding: f64) -> Result<(), Unsolvable> {
-        components.iter().try_for_each(|component| component.check(rounding))
     }
 
     /// True if a finer mesh may have a flux that balances f although this one has none.
