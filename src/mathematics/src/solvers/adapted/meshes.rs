@@ -22,7 +22,6 @@ use crate::multigrid::active_set::active_set;
 use crate::multigrid::{Goal, InputError, MultigridParams};
 use crate::multilevel::{Improved, Start, improve_on_nested_networks};
 use crate::problem::source::Source;
-use crate::problem::unsolvable::{Component, Unsolvable};
 use crate::saddle::Monitor;
 use crate::solvers::reach::Refining;
 use crate::solvers::run::{Run, has_factors};
