@@ -11,8 +11,8 @@ use super::problem::PlaneProblem;
 use super::proof;
 use super::setup::Setup;
 use super::truth::TrueSolution;
-use crate::problem::law::Law;
 use crate::problem::complex::Complex;
+use crate::problem::law::Law;
 use crate::problem::text::{percent, plain};
 use std::fmt;
 
@@ -212,9 +212,7 @@ impl PlaneSolution {
         let [value, flux] = match own.sides[place.side].law {
             Law::FIXED => [0.0, flux],
             Law::FREE => [value, 0.0],
-            _ if contact.flux(own.along(place), own.length()).is_none() => {
-                [0.0, law.project(flux)]
-            }
+            _ if contact.flux(own.along(place), own.length()).is_none() => [0.0, law.project(flux)],
             _ if value < 0.0 && law.hi().is_finite() => [value, law.hi()],
             _ if law.lo().is_finite() => [value, law.lo()],
             _ => [value, law.hi()],

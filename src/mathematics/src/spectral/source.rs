@@ -22,6 +22,7 @@ pub(super) mod real_polynomial;
 
 use crate::mesh::PlaneMesh;
 use crate::problem::complex::Complex;
+use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::spectral::geometry::domain::{PlaneError, PlaneSide, directions, ray_hits};
 use crate::spectral::geometry::frame::Frame;
@@ -118,7 +119,8 @@ pub(in crate::spectral) fn regions(
         let regions = beside([nodes[0], nodes[1]]);
         let points = nodes.iter().map(|&node| mesh.points()[node as usize]);
         let points: Vec<_> = points.map(|[x, y]| Complex::new(x, y)).collect();
-        let edges = vec![OutlineEdge::default(); points.len() - 1];
+        let edge = OutlineEdge { circle: None, law: Law::FREE, part: 0 };
+        let edges = vec![edge; points.len() - 1];
         let sides = MeshOutline::new(points, edges, frame).sides()?;
         borders.extend(sides.into_iter().map(|side| RegionBorder { side, regions }));
     }

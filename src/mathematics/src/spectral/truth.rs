@@ -61,19 +61,15 @@ pub(crate) fn true_solution_on_square(f: &Source, law: Law) -> Result<TrueSoluti
 ///
 /// # Errors
 /// [`PlaneError`].
-pub(crate) fn true_solution_on(
-    mesh: &PlaneMesh,
-    f: &[Source],
-) -> Result<TrueSolution, PlaneError> {
+pub(crate) fn true_solution_on(mesh: &PlaneMesh, f: &[Source]) -> Result<TrueSolution, PlaneError> {
     let mut all: Option<TrueSolution> = None;
     for component in mesh.split() {
         let problem = PlaneProblem::on_mesh(&component, f)?;
         let sides = problem.domain.sides().filter(|side| !side.is_after_bend).count() as f64;
         // Short sides want short edges.
         let most_nodes = STARTS.map(|nodes| nodes * (sides / SIDES).max(1.0).powi(2));
-        let starts = most_nodes
-            .into_iter()
-            .filter_map(|most| DiscreteStart::on_mesh(&component, f, most));
+        let starts =
+            most_nodes.into_iter().filter_map(|most| DiscreteStart::on_mesh(&component, f, most));
         let own = solved(&problem, starts)?;
         all = Some(if let Some(before) = all { before.with(own) } else { own });
     }
@@ -85,9 +81,7 @@ pub(crate) fn true_solution_on(
 /// # Errors
 /// [`PlaneError`].
 pub(crate) fn check_plane(mesh: &PlaneMesh, f: &[Source]) -> Result<(), PlaneError> {
-    mesh.split()
-        .iter()
-        .try_for_each(|component| PlaneProblem::on_mesh(component, f).map(|_| ()))
+    mesh.split().iter().try_for_each(|component| PlaneProblem::on_mesh(component, f).map(|_| ()))
 }
 
 /// Solves a problem from the contact sets of discrete solutions in turn.

@@ -17,7 +17,7 @@ mod tests;
 
 use super::search::PlaneFound;
 use crate::discrete::contact::ContactArc;
-use crate::mesh::{Names};
+use crate::mesh::Names;
 use crate::problem::complex::Complex;
 use crate::spectral::fit::Fit;
 use crate::spectral::fit::field::PlaneNode;
@@ -188,8 +188,7 @@ pub(in crate::spectral) fn arcs(setup: &Setup, found: &PlaneFound) -> Vec<Contac
                 false => (last.side + many - first.side) % many + 1,
             };
             let along = (first.side..first.side + count).map(|side| side % many);
-            let along: Vec<usize> =
-                along.filter(|&side| sides[side].law.may_move()).collect();
+            let along: Vec<usize> = along.filter(|&side| sides[side].law.may_move()).collect();
             let (Some(&begin), Some(&end)) = (along.first(), along.last()) else { continue };
             let [mut start, mut stop] = [(0.0, 0.0), (sides[end].length(), 0.0)];
             if begin == first.side {

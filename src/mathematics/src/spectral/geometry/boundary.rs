@@ -2,8 +2,8 @@
 //! intervals into panels that get short towards these points.
 
 use super::ring::{PlaneRing, RingContact};
-use crate::problem::law::Law;
 use crate::problem::complex::Complex;
+use crate::problem::law::Law;
 use std::f64::consts::PI;
 
 impl PlaneRing {

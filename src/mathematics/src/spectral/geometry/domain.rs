@@ -3,10 +3,10 @@
 use super::curve::{Arc, Curve, SAME};
 use super::frame::Frame;
 use super::ring::PlaneRing;
-use crate::mesh::{Names};
+use crate::mesh::Names;
 use crate::problem::complex::Complex;
-use crate::spectral::complex::distance;
 use crate::problem::law::Law;
+use crate::spectral::complex::distance;
 
 /// Side of a domain: a segment, or an arc of a circle, with one condition.
 #[derive(Clone, Copy, Debug)]
@@ -41,12 +41,7 @@ impl PlaneSide {
     }
 
     /// Arc of a circle between two angles, anticlockwise if they rise; a full circle is one side.
-    pub(crate) fn arc(
-        circle: PlaneCircle,
-        [from, to]: [f64; 2],
-        law: Law,
-        part: usize,
-    ) -> Self {
+    pub(crate) fn arc(circle: PlaneCircle, [from, to]: [f64; 2], law: Law, part: usize) -> Self {
         let PlaneCircle { centre: [x, y], radius } = circle;
         let normal = Complex::unit(from);
         let origin = Complex::new(x, y) + normal.scaled(radius);

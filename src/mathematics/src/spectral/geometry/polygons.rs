@@ -13,21 +13,14 @@ impl PlaneDomain {
 }
 
 /// Full circle round the origin.
-pub(in crate::spectral) fn circle(
-    radius: f64,
-    law: Law,
-    is_outer: bool,
-) -> Vec<PlaneSide> {
+pub(in crate::spectral) fn circle(radius: f64, law: Law, is_outer: bool) -> Vec<PlaneSide> {
     let angles = if is_outer { [0.0, 2.0 * PI] } else { [2.0 * PI, 0.0] };
     let own = PlaneCircle { centre: [0.0; 2], radius };
     vec![PlaneSide::arc(own, angles, law, usize::from(!is_outer))]
 }
 
 /// Sides between these corners, with a condition each.
-pub(in crate::spectral) fn loop_of(
-    points: &[[f64; 2]],
-    laws: &[Law],
-) -> Vec<PlaneSide> {
+pub(in crate::spectral) fn loop_of(points: &[[f64; 2]], laws: &[Law]) -> Vec<PlaneSide> {
     let ends = |k: usize| [points[k], points[(k + 1) % points.len()]];
     let sides = laws.iter().enumerate();
     sides.map(|(k, &law)| PlaneSide::segment(ends(k), law, k)).collect()

@@ -3,8 +3,8 @@
 pub(super) mod known;
 pub(super) mod spoilt;
 
-use crate::problem::law::Law;
 use crate::problem::formula::Formula;
+use crate::problem::law::Law;
 use crate::spectral::geometry::domain::{PlaneCircle, PlaneDomain, PlaneSide};
 use crate::spectral::geometry::ring::RingContact;
 use crate::spectral::source::PlaneSource;
@@ -78,8 +78,13 @@ fn discs() -> Vec<BenchProblem> {
             [-3999.0 * PI / 16384.0, 0.0078125, 0.1],
         ),
     ] {
-        let own =
-            known(name, disc(Law::SIGNORINI), one(place), vec![sticks()], with_disc(-1.0, [w, e, p]));
+        let own = known(
+            name,
+            disc(Law::SIGNORINI),
+            one(place),
+            vec![sticks()],
+            with_disc(-1.0, [w, e, p]),
+        );
         all.push(BenchProblem { is_hard: p > 0.0, ..own });
     }
     all
@@ -170,17 +175,12 @@ fn rings() -> Vec<BenchProblem> {
 
 fn sectors() -> Vec<BenchProblem> {
     let mut all = Vec::new();
-    for (name, angle, law) in
-        [("sector of 60 degrees", PI / 3.0, Law::SIGNORINI), ("three quarters of a disc", 1.5 * PI, Law::FIXED)]
-    {
+    for (name, angle, law) in [
+        ("sector of 60 degrees", PI / 3.0, Law::SIGNORINI),
+        ("three quarters of a disc", 1.5 * PI, Law::FIXED),
+    ] {
         let energy = -angle / 32.0;
-        all.push(known(
-            name,
-            vec![sector(angle, law)],
-            one("else=-1"),
-            vec![sticks()],
-            energy,
-        ));
+        all.push(known(name, vec![sector(angle, law)], one("else=-1"), vec![sticks()], energy));
     }
     let half = vec![sector(PI, Law::SIGNORINI)];
     let half: Vec<Vec<PlaneSide>> = half

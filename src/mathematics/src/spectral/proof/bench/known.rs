@@ -1,7 +1,6 @@
 //! Problems whose energy is known in closed form, with fits of one contact set.
 
 use crate::problem::law::Law;
-use crate::problem::law::Law;
 use crate::spectral::contact::search::PlaneFound;
 use crate::spectral::fit::Fit;
 use crate::spectral::geometry::domain::{PlaneCircle, PlaneDomain, PlaneSide};

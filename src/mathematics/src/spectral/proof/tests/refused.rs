@@ -1,7 +1,7 @@
 //! Setups for which the argument does not hold, each with the part that is not proved.
 
-use crate::problem::law::Law;
 use crate::problem::complex::Complex;
+use crate::problem::law::Law;
 use crate::spectral::contact::search::PlaneFound;
 use crate::spectral::functions::{Family, Power};
 use crate::spectral::geometry::domain::PlaneDomain;

@@ -1,7 +1,6 @@
 //! Sides with bends that are too small for corners.
 
 use crate::mesh::{AnyMesh, gmsh};
-use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::spectral::problem::PlaneProblem;
 use crate::spectral::true_solution_on;
@@ -30,8 +29,7 @@ fn a_side_with_small_bends_is_the_path_of_its_nodes() {
     let (square, rate) = (-0.017_572_126_869_394, -0.022_826_656);
     for by in [0.0, 1e-12, 4e-10, 1e-9, 2e-9, 1e-8, 4e-7] {
         let mesh = lowered(&[[0.5, by]]);
-        let found =
-            true_solution_on(mesh.plane().unwrap(), &[Source::constant(-1.0)], Law::SIGNORINI);
+        let found = true_solution_on(mesh.plane().unwrap(), &[Source::constant(-1.0)]);
         let [lower, upper] = found.unwrap().bracket.unwrap();
         let known: f64 = square + rate * by;
         let rounding = 1e-15 + 1e-8 * by;

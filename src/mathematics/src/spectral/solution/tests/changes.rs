@@ -1,8 +1,8 @@
 //! Problems in which numbers nearly agree: what a tolerance changes of f is in the bracket.
 
 use super::{PlaneSource, lshape, pieces, polygon, proved, seen_lshape};
-use crate::problem::law::Law;
 use crate::problem::complex::Complex;
+use crate::problem::law::Law;
 use crate::spectral::geometry::curve::{Arc, Curve};
 use crate::spectral::geometry::domain::PlaneError;
 use crate::spectral::source::changes::Changes;

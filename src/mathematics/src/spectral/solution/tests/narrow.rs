@@ -1,8 +1,8 @@
 //! Slots, necks and slender holes: brackets of a domain and of its parts by symmetry meet.
 
 use super::*;
-use crate::spectral::geometry::polygons::loop_of;
 use crate::problem::law::Law;
+use crate::spectral::geometry::polygons::loop_of;
 
 /// Domain of loops of corners, whose sides are free along these lines x = .. and y = ... .
 fn with_free(loops: &[&[[f64; 2]]], lines: [Option<f64>; 2]) -> PlaneDomain {

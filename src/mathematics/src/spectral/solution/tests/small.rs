@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::problem::complex::Complex;
-use crate::spectral::geometry::panels::gauss;
 use crate::problem::law::Law;
+use crate::spectral::geometry::panels::gauss;
 
 /// Guaranteed bracket where all sticks.
 fn bracket_of(domain: &PlaneDomain, source: PlaneSource) -> [f64; 2] {
