@@ -3,7 +3,7 @@
 use signorini_mathematics::problem::text::known;
 
 /// Columns of the numbers, in their order.
-pub(crate) const COLUMNS: [&str; 24] = [
+pub(crate) const COLUMNS: [&str; 25] = [
     "energy",
     "energy_lower",
     "energy_upper",
@@ -11,6 +11,7 @@ pub(crate) const COLUMNS: [&str; 24] = [
     "error_l2",
     "error_h1",
     "error_max",
+    "error_true",
     "v_least",
     "v_greatest",
     "contact_length",

@@ -21,6 +21,8 @@ pub(crate) struct Numbers {
     pub(crate) error_l2: Option<f64>,
     pub(crate) error_h1: Option<f64>,
     pub(crate) error_max: Option<f64>,
+    /// Distance of the energy from that of the true solution, over that; none unless it is asked for.
+    pub(crate) error_true: Option<f64>,
     /// Length of the boundary in contact, with ends within the cell; in space the area of the nodes in contact.
     pub(crate) contact_length: Option<f64>,
     /// Distance within which the length of a true solution lies, as estimated.
@@ -65,6 +67,7 @@ impl Numbers {
             error_l2: errors.map(|errors| errors.l2),
             error_h1: errors.map(|errors| errors.h1),
             error_max: errors.map(|errors| errors.max),
+            error_true: record.error_true,
             contact_length: Some(solved.contact_length()),
             contact_length_error: solved.contact_length_error(),
             force: Some(solved.force()),

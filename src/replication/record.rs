@@ -12,6 +12,8 @@ use crate::replication::fields::table::Voice;
 use advice::{Remedy, combined};
 use signorini_mathematics::solvers::Solved;
 use signorini_mathematics::statement::{Failure, Statement};
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
 
 /// Warnings and failure of an answer, beside its numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +23,8 @@ pub(crate) struct Record {
     pub(crate) failure: Option<Advice>,
     /// False if the answer is no solution, whatever its accuracy.
     pub(crate) is_solution: bool,
+    /// Distance of the energy from that of the true solution, over that; none unless it is asked for and known.
+    pub(crate) error_true: Option<f64>,
 }
 
 impl Record {
@@ -29,7 +33,18 @@ impl Record {
         let judged = statement.judged(solved);
         let found_by = solved.run().map_or(statement.solver, |run| run.solver);
         let adviser = Adviser { statement, voice, found_by };
-        let warnings: Vec<_> = judged.warnings.iter().map(|of| adviser.on_warning(of)).collect();
+        let mut warnings: Vec<_> =
+            judged.warnings.iter().map(|of| adviser.on_warning(of)).collect();
+        let mut error_true = None;
+        if statement.with_truth {
+            match true_energy(statement, solved) {
+                Ok(truth) => error_true = Some(((solved.energy() - truth) / truth).abs()),
+                Err(reason) => warnings.push(Advice {
+                    fact: format!("no true solution to compare with: {reason}"),
+                    remedies: vec![Remedy::field("leave out ", voice.name("compare"))],
+                }),
+            }
+        }
         let is_solution = judged.failure.as_ref().is_none_or(Failure::is_of_accuracy);
         let failure = judged.failure.map(|failure| {
             let mut advice = adviser.on_failure(&failure);
@@ -39,7 +54,7 @@ impl Record {
             }
             advice
         });
-        Self { warnings, failure, is_solution }
+        Self { warnings, failure, is_solution, error_true }
     }
 
     /// Facts of the warnings, without advice.
@@ -74,6 +89,25 @@ impl Record {
     }
 }
 
+/// Energies of true solutions that were found before, or the reasons for none, by what their problems depend on.
+static TRUE_ENERGIES: Mutex<BTreeMap<String, Result<f64, String>>> = Mutex::new(BTreeMap::new());
+
+/// Energy of the true solution of the problem of a statement, of which this is an answer.
+fn true_energy(
+    Statement { domain, f, law, .. }: &Statement,
+    solved: &Solved,
+) -> Result<f64, String> {
+    let problem = format!("{domain:?} {f} {law:?}");
+    let known = TRUE_ENERGIES.lock().unwrap_or_else(PoisonError::into_inner).get(&problem).cloned();
+    // Not under the lock: threads that wait for it could not help to find the solution.
+    known.unwrap_or_else(|| {
+        let found = solved.problem.true_solution();
+        let found = found.map(|found| found.energy).map_err(|e| e.to_string());
+        let mut all = TRUE_ENERGIES.lock().unwrap_or_else(PoisonError::into_inner);
+        all.entry(problem).or_insert(found).clone()
+    })
+}
+
 /// Remedies of warnings, in their order.
 fn remedies(warnings: &[Advice]) -> Vec<Remedy> {
     warnings.iter().flat_map(|warning| warning.remedies.clone()).collect()
@@ -96,6 +130,7 @@ mod tests {
             warnings: warnings[..count].to_vec(),
             failure: None,
             is_solution,
+            error_true: None,
         };
         assert_eq!(
             record(2, true).lines(),

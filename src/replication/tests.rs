@@ -123,6 +123,7 @@ fn statement() -> impl Strategy<Value = Statement> {
                 if is_square { saddle.prolongation } else { Prolongation::default() };
             Statement {
                 f: if is_square { on_square } else { elsewhere },
+                with_truth: is_within,
                 load: (is_square && solver != Solver::Spectral).then_some(load),
                 saddle: solver.is_nested().then_some(SaddleSettings { prolongation, ..saddle }),
                 tolerance: tolerance.filter(|_| solver == Solver::Multigrid && !is_within),

@@ -165,6 +165,9 @@ impl Answer {
             }
             text.push('\n');
         }
+        if let Some(error) = self.numbers.error_true {
+            text += &format!("energy off the true one by {} of it\n", plain(error, 3));
+        }
         let [least, greatest] = last.range.map(|v| plain(v, 6));
         text += &format!("v from {least} to {greatest}\n");
         let arcs = self.solved.contact().unwrap_or_default();

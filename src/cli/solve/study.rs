@@ -24,7 +24,7 @@ use crate::timing::machine;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
-use signorini_mathematics::problem::text::percent;
+use signorini_mathematics::problem::text::{percent, plain};
 use signorini_mathematics::solvers::Memory;
 use signorini_mathematics::statement::Statement;
 use std::collections::BTreeSet;
@@ -243,7 +243,7 @@ fn lines(Asked { study, scene_name, .. }: &Asked, solved: &[Numbers]) -> String 
 
 /// Returns the table with the digits that are read, and what is asked for first on the left.
 fn for_people(study: &Study, solved: &[Numbers]) -> Table {
-    let columns = ["energy", "error", "contact", "force", "v from", "to", "nodes"];
+    let columns = ["energy", "error", "true error", "contact", "force", "v from", "to", "nodes"];
     let marks = study.marks(solved);
     let head = study.names.iter().map(String::as_str).chain(columns).chain(marks.iter().copied());
     let mut table = Table::new(head, &[]);
@@ -252,6 +252,7 @@ fn for_people(study: &Study, solved: &[Numbers]) -> Table {
         let digits = [("contact_length", 4), ("force", 4), ("v_least", 4), ("v_greatest", 4)];
         row.push(of.shown_energy(7));
         row.push(of.last.error_relative.map_or(String::new(), |error| percent(error, 3)));
+        row.push(of.error_true.map_or(String::new(), |error| plain(error, 3)));
         row.extend(of.shown(digits));
         row.push(of.last.nodes.map_or(String::new(), |nodes| nodes.to_string()));
         for &mark in &marks {

@@ -114,7 +114,7 @@ const ANY: Field = Field {
 };
 
 /// Fields, in the order in which they are written.
-pub(crate) static FIELDS: [Field; 19] = [
+pub(crate) static FIELDS: [Field; 20] = [
     Field {
         name: "f",
         help: "The right-hand side, as 'disc(0,0,0.2)=4; else=-1'",
@@ -355,6 +355,21 @@ pub(crate) static FIELDS: [Field; 19] = [
             // The accuracy of a scene says otherwise where the solver stops.
             let fineness = without_accuracy(of.fineness);
             Ok(Statement { tolerance: Some(positive(given, "1e-8")?), fineness, ..of })
+        },
+        ..ANY
+    },
+    Field {
+        name: "compare",
+        help: "Compare the energy with that of the true solution: spectral",
+        more: "It is found once for all members of a study with the same domain, f and law.",
+        value_name: "SOLVER",
+        is_rare: true,
+        suggested: || vec![PossibleValue::new(Solver::Spectral.entry().name)],
+        domains: Domains::Plane,
+        texts: |of| of.with_truth.then(|| Solver::Spectral.to_string()).into_iter().collect(),
+        set: |of, given| match Solver::named(&given.concat()) {
+            Some(Solver::Spectral) => Ok(Statement { with_truth: true, ..of }),
+            _ => Err("spectral alone finds true solutions; write spectral".into()),
         },
         ..ANY
     },

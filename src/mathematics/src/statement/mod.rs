@@ -59,6 +59,9 @@ pub struct Statement {
     /// floor or the stopping rule.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
+    /// True if the energy is compared with that of the true solution of the same problem.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub with_truth: bool,
 }
 
 /// Reason for which a statement states no problem.
@@ -112,6 +115,7 @@ impl Statement {
             solver: Self::SOLVER,
             saddle: None,
             tolerance: None,
+            with_truth: false,
         }
     }
 
