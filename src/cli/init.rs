@@ -17,11 +17,10 @@ pub(super) struct InitArgs {
 
 /// Files of a new study: the shortest commented scene of this project, one on another domain, a mesh for a third, and a
 /// page that shows them.
-const FILES: [(&str, &str); 6] = [
+const FILES: [(&str, &str); 5] = [
     ("pipeline/scenes/plate.toml", include_str!("../../pipeline/scenes/plate.toml")),
     ("pipeline/scenes/disc.toml", include_str!("init/disc.toml")),
     ("pipeline/meshes/gear.msh", include_str!("../../pipeline/meshes/gear.msh")),
-    ("report/book.toml", include_str!("init/book.toml")),
     ("report/templates/SUMMARY.md", include_str!("init/SUMMARY.md")),
     ("report/templates/plate.md", include_str!("init/plate.md")),
 ];

@@ -27,8 +27,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<u8> {
     let made: Vec<String> = made.map(|name| format!("report/{name}")).collect();
     let page = first_page(made.iter()).ok_or_else(|| {
         Error::input(
-            "the project has no pages; they need report/book.toml and report/templates/SUMMARY.md, as \
-             `signorini init` writes them",
+            "the project has no pages; they need report/templates/SUMMARY.md, as `signorini init` writes it",
         )
     })?;
     let book = workplace.project.root.join(page);

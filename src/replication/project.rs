@@ -140,9 +140,9 @@ impl Project {
         Ok(Self { partial: true, ..Self::with(root, folder, more)? })
     }
 
-    /// Checks the scenes with these names, a record of times and settings of the book, the last two only if they are
-    /// among the `files` that a task is to read. Not part of [`Project::read`]: a run that has nothing to do need not
-    /// look into files that tasks of an earlier run have read.
+    /// Checks the scenes with these names, and a record of times if it is among the `files` that a task is to read. Not
+    /// part of [`Project::read`]: a run that has nothing to do need not look into files that tasks of an earlier run
+    /// have read.
     ///
     /// # Errors
     /// [`Error::Input`] and [`Error::Io`] for the files, but not from scenes.
@@ -168,10 +168,6 @@ impl Project {
             self.files.get(recorded::PATH).filter(|_| files.contains(recorded::PATH))
         {
             Timings::parse(file.bytes()?)?;
-        }
-        let settings = self.templates.get("book.toml");
-        if let Some(file) = settings.filter(|_| files.contains("report/book.toml")) {
-            signorini_book::check_settings(file.bytes()?)?;
         }
         Ok(checked)
     }

@@ -177,7 +177,6 @@ impl Project {
     /// Adds a book of one page, `one`, with this text.
     pub(crate) fn add_book(&self, page: &str) {
         fs::create_dir_all(self.path("report/templates")).unwrap();
-        self.write("report/book.toml", "title = \"Mine\"\n");
         self.write("report/templates/SUMMARY.md", "- [One](one.md)\n");
         self.write("report/templates/one.md", page);
     }

@@ -96,7 +96,6 @@ pub(crate) fn study() -> Files {
 /// A book of one page; with it, a run also makes the table of all results.
 pub(crate) fn book() -> Files {
     let files = [
-        ("report/book.toml", "title = \"Mine\"\n"),
         ("report/templates/SUMMARY.md", "- [One](one.md)\n"),
         ("report/templates/one.md", "# One\n\nText.\n"),
     ];
@@ -137,7 +136,7 @@ fn edit(dice: &mut Dice, files: &mut Files) -> String {
     let other = format!("pipeline/scenes/{}.toml", one_of(dice, &["a", "b", "c", "d e"]));
     let page =
         format!("{PAGES}/{}", one_of(dice, &["one.md", "two.md", "three.md.tera", "sub/x.txt"]));
-    let has_book = files.contains_key("report/book.toml");
+    let has_book = files.contains_key("report/templates/SUMMARY.md");
     match dice.below(16) {
         0 => {
             let text = files.remove(&scene).unwrap();

@@ -92,7 +92,6 @@ fn a_figure_is_found_by_its_name_whatever_signs_it_has() {
         let pages = signorini_book::pages(&templates.into(), &context).unwrap();
         let mut files: std::collections::BTreeMap<String, Vec<u8>> =
             pages.into_iter().map(|(name, text)| (name, text.into_bytes())).collect();
-        files.insert("book.toml".into(), b"title = \"T\"\n".to_vec());
         files.insert("src/SUMMARY.md".into(), b"- [One](one.md)\n".to_vec());
         for ending in ["svg", "csv"] {
             files.insert(format!("src/figures/{name}.{ending}"), b"<svg/>".to_vec());

@@ -4,13 +4,12 @@ use super::contents::{PRINT, with_contents};
 use super::labels::Labels;
 use super::mathml::convert;
 use super::outputs::{self, PAGES, Pages};
-use super::settings::{Settings, THEME};
-use super::summary::{SUMMARY, listed};
+use super::settings::{THEME, of_mdbook};
+use super::summary::{SUMMARY, listed, title};
 use super::{includes, links};
 use mdbook_driver::MDBook;
 use mdbook_driver::config::Config;
 use rayon::prelude::*;
-use signorini_pipeline::error::Error;
 use signorini_pipeline::files::{is_forbidden, read_tree, temporary_folder};
 use signorini_pipeline::names::described;
 use std::collections::BTreeMap;
@@ -21,15 +20,7 @@ use std::path::Path;
 /// Page with which the book opens.
 pub const FIRST: &str = "index.html";
 
-/// Refuses a `book.toml` with a mistake.
-///
-/// # Errors
-/// [`Error::Input`] with the line of the mistake.
-pub fn check_settings(book_toml: &[u8]) -> Result<(), Error> {
-    Settings::read(book_toml).map(|_| ())
-}
-
-/// Builds the book whose files, by path from the folder of `book.toml`, are `files`.
+/// Builds the book whose files, by path in its folder, are `files`.
 ///
 /// Files whose paths begin with `../` are outside that folder, and pages may include them. Formulas in `*.md` are set
 /// as MathML. Returns every file of the built book by its path there; equal files give equal bytes. A temporary folder
@@ -41,10 +32,6 @@ pub fn build(
     files: &BTreeMap<String, Vec<u8>>,
     scratch: &Path,
 ) -> Result<BTreeMap<String, Vec<u8>>, String> {
-    let Some(book_toml) = files.get("book.toml") else {
-        return Err("report/book.toml is missing; the book needs one, if only with a title".into());
-    };
-    let settings = Settings::read(book_toml).map_err(|e| e.to_string())?;
     let mut pages = BTreeMap::new();
     for (name, bytes) in files.iter().filter(|(name, _)| name.ends_with(".md")) {
         let text = std::str::from_utf8(bytes);
@@ -90,7 +77,7 @@ pub fn build(
     for (name, bytes) in files.iter().filter(|(name, _)| name.starts_with("theme/fonts/")) {
         write(&root.join(name.replacen("theme", THEME, 1)), bytes)?;
     }
-    let config = settings.of_mdbook(files);
+    let config = of_mdbook(title(summary), files);
     with_mdbook(root, config).map_err(|error| in_templates(error, root))?;
     let mut built =
         read_tree(&root.join("book"), |_| false).map_err(|(path, source)| io(&path, source))?;

@@ -18,7 +18,7 @@ const REMEDY: &str = "write {{#include FILE}}, a file in report/templates by its
 
 /// Refuses a directive, of a page or of a file that it includes, that does not include a whole file of `files`.
 ///
-/// Paths of `files` begin in the folder of `book.toml`.
+/// Paths of `files` begin in the folder of the book.
 pub(super) fn check(page: &str, files: &BTreeMap<String, Vec<u8>>) -> Result<(), String> {
     check_below(page, files, 0)
 }
@@ -39,7 +39,7 @@ fn check_below(file: &str, files: &BTreeMap<String, Vec<u8>>, depth: usize) -> R
     Ok(())
 }
 
-/// Returns a path in `file` as a path from the folder of `book.toml`; `None` for an absolute one.
+/// Returns a path in `file` as a path from the folder of the book; `None` for an absolute one.
 fn resolved(file: &str, path: &str) -> Option<String> {
     let mut steps: Vec<&str> = file.split('/').collect();
     steps.pop();

@@ -16,6 +16,6 @@ mod settings;
 mod summary;
 mod text;
 
-pub use build::{FIRST, build, check_settings};
+pub use build::{FIRST, build};
 pub use pages::{PAGE as TEMPLATE, in_template, pages, stubs};
 pub use text::{code_in_markdown, in_markdown, quoted};

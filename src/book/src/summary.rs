@@ -15,6 +15,11 @@ pub(super) struct ListedPage {
     pub number: String,
 }
 
+/// Returns the title of the book: the heading of the list, if it begins with one.
+pub(super) fn title(summary: &str) -> Option<&str> {
+    summary.trim_start().lines().next()?.strip_prefix("# ").map(str::trim)
+}
+
 /// Returns the pages that `SUMMARY.md` lists, in its order.
 ///
 /// # Errors
