@@ -14,7 +14,7 @@ pub(crate) struct Limit {
 }
 
 /// All that users of other programs ask for.
-pub(crate) static LIMITS: [Limit; 7] = [
+pub(crate) static LIMITS: [Limit; 6] = [
     Limit {
         words: &["obstacle", "gap", "lower", "upper"],
         wanted: "an obstacle other than 0",
@@ -46,7 +46,6 @@ pub(crate) static LIMITS: [Limit; 7] = [
         instead: "a constant one divides f and the bound of friction or of a limit; the energy is then k times that of \
             the answer",
     },
-    Limit { words: &["law", "laws"], wanted: ONE_LAW.0, instead: ONE_LAW.1 },
     Limit {
         words: &["elasticity", "young", "poisson"],
         wanted: "elasticity, with a displacement that is a vector",
@@ -60,24 +59,9 @@ pub(crate) static LIMITS: [Limit; 7] = [
     },
 ];
 
-/// Law for each part: what is wanted, and what there is.
-const ONE_LAW: (&str, &str) = (
-    "another law for each part of the boundary",
-    "the number of friction or of a limit holds on all parts in contact; other parts are free or fixed",
-);
-
 /// Returns the sentence on a word by which something that is not solved is asked for, if it is known.
 pub(crate) fn of_word(word: &str) -> Option<String> {
     let word = word.trim_start_matches('-').to_lowercase();
     let limit = LIMITS.iter().find(|limit| limit.words.contains(&&*word))?;
-    Some(sentence(limit.wanted, limit.instead))
-}
-
-/// Returns the sentence on a law for each part.
-pub(crate) fn one_law() -> String {
-    sentence(ONE_LAW.0, ONE_LAW.1)
-}
-
-fn sentence(wanted: &str, instead: &str) -> String {
-    format!("{wanted} is not solved: {instead}")
+    Some(format!("{} is not solved: {}", limit.wanted, limit.instead))
 }

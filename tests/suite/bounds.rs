@@ -28,7 +28,7 @@ const EXACT: LoadRule = LoadRule::Exact { diagonal: Diagonal::Rising };
 fn solved(n: usize, f: &Source, rule: LoadRule, goal: Goal) -> (Grid, Vec<f64>) {
     let grid = Grid::new(n).unwrap();
     let params = MultigridParams { goal, ..MultigridParams::default() };
-    (grid, solve_square(n, Law::SIGNORINI.with_load(&load(grid, f, rule)), &params).unwrap().0)
+    (grid, solve_square(n, Law::SIGNORINI, &load(grid, f, rule), &params).unwrap().0)
 }
 
 /// True solution on the square under the paper's law.
@@ -86,7 +86,7 @@ fn least_margin(f: &Source, cells: usize) -> f64 {
             (Goal::RoundingFloor, 1),
         ] {
             let params = MultigridParams { goal, max_cycles, ..MultigridParams::default() };
-            let (y, _) = solve_square(cells, Law::SIGNORINI.with_load(&load), &params).unwrap();
+            let (y, _) = solve_square(cells, Law::SIGNORINI, &load, &params).unwrap();
             judge(&(rule, goal, max_cycles), &y);
         }
         for max_iterations in [1, 10, 100] {
@@ -162,9 +162,7 @@ fn errors_of_known_solutions_lie_between_the_bounds() {
         for n in [64, 128] {
             let grid = Grid::new(n).unwrap();
             let load = load(grid, &f, EXACT);
-            let y = solve_square(n, Law::SIGNORINI.with_load(&load), &MultigridParams::default())
-                .unwrap()
-                .0;
+            let y = solve_square(n, Law::SIGNORINI, &load, &MultigridParams::default()).unwrap().0;
             let error = errors(grid, problem, &y).h1;
             let [least, most] = bounds(grid, &f, Law::SIGNORINI, &y).unwrap().error;
             // The quadrature of the error is good to about 1e-4 of it.

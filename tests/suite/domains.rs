@@ -68,7 +68,7 @@ impl Domain for SquareGrid {
     }
 
     fn solve(&self, load: &[f64], params: &MultigridParams) -> Solved {
-        solve_square(self.0, Law::SIGNORINI.with_load(load), params)
+        solve_square(self.0, Law::SIGNORINI, load, params)
     }
 
     fn direct(&self, load: &[f64]) -> Result<Vec<f64>, InputError> {

@@ -23,7 +23,7 @@ fn solved(n: usize, f: &Source, law: Law, goal: Goal) -> (Grid, Vec<f64>) {
     let grid = Grid::new(n).unwrap();
     let params = MultigridParams { goal, ..MultigridParams::default() };
     let load = load(grid, f, LoadRule::Bilinear {});
-    (grid, solve_square(n, law.with_load(&load), &params).unwrap().0)
+    (grid, solve_square(n, law, &load, &params).unwrap().0)
 }
 
 /// Bounds of the solution of a problem on a grid.

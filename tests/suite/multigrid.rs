@@ -172,8 +172,7 @@ fn work_does_not_depend_on_the_grid() {
 fn impossible_grids_are_refused() {
     for wrong in [0, 1, 9, 11] {
         let load = vec![-1.0; (wrong + 1_usize).pow(2)];
-        let problem = Law::SIGNORINI.with_load(&load);
-        let refusal = solve_square(wrong, problem, &MultigridParams::default());
+        let refusal = solve_square(wrong, Law::SIGNORINI, &load, &MultigridParams::default());
         let names_it = matches!(refusal, Err(InputError::GridSize { cells, .. }) if cells == wrong);
         assert!(names_it, "{wrong}");
     }
@@ -185,9 +184,7 @@ fn the_workspace_stays_small_and_can_be_used_again() {
     let mut workspace = Multigrid::square(n).expect("valid size");
     let mut solve = |problem: Exact| {
         let load = exact_load(problem, n);
-        workspace
-            .solve(Law::SIGNORINI.with_load(&load), &MultigridParams::default())
-            .expect("valid load");
+        workspace.solve(Law::SIGNORINI, &load, &MultigridParams::default()).expect("valid load");
         let mut y = vec![0.0; load.len()];
         workspace.write_solution(&mut y);
         y
@@ -203,8 +200,6 @@ fn the_workspace_stays_small_and_can_be_used_again() {
 #[should_panic(expected = "one number for each node")]
 fn a_short_slice_does_not_hold_the_solution() {
     let mut workspace = Multigrid::square(16).expect("valid size");
-    workspace
-        .solve(Law::SIGNORINI.with_load(&[-1.0; 289]), &MultigridParams::default())
-        .expect("valid load");
+    workspace.solve(Law::SIGNORINI, &[-1.0; 289], &MultigridParams::default()).expect("valid load");
     workspace.write_solution(&mut [0.0; 272]);
 }

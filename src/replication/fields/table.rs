@@ -2,7 +2,6 @@
 
 use super::{Fields, PAPERS};
 use crate::pipeline::error::Error;
-use crate::replication::limits;
 use clap::builder::PossibleValue;
 use serde::Deserialize;
 use signorini_mathematics::bounds::Accuracy;
@@ -171,18 +170,20 @@ pub(crate) static FIELDS: [Field; 20] = [
     Field {
         name: "friction",
         help: "Law: |dv/dn| is at most G, and v is 0 where it is less",
-        value_name: "G",
-        texts: |of| law_in_words(of, LawParameter::Friction),
-        set: |of, given| Ok(Statement { law: Some(LawParameter::Friction(law(given)?)), ..of }),
+        more: "With PART=G, as hole=0.3, it holds on this part alone.",
+        value_name: "[PART=]G",
+        texts: |of| laws_in_words(of, "friction"),
+        set: |of, given| under_laws(of, LawParameter::Friction, given),
         ..OF_LAW
     },
     Field {
         name: "limit",
         help: "Law: dv/dn between 0 and LIMIT, and v < 0 where it is LIMIT",
-        value_name: "LIMIT",
+        more: "With PART=LIMIT, as hole=2, it holds on this part alone.",
+        value_name: "[PART=]LIMIT",
         is_rare: true,
-        texts: |of| law_in_words(of, LawParameter::Limit),
-        set: |of, given| Ok(Statement { law: Some(LawParameter::Limit(law(given)?)), ..of }),
+        texts: |of| laws_in_words(of, "limit"),
+        set: |of, given| under_laws(of, LawParameter::Limit, given),
         ..OF_LAW
     },
     Field {
@@ -389,7 +390,8 @@ const PART: Field = Field {
     ..ANY
 };
 /// Field of the law.
-const OF_LAW: Field = Field { table: Some("law"), says: &[LAW], is_of_problem: true, ..ANY };
+const OF_LAW: Field =
+    Field { table: Some("law"), says: &[LAW], is_of_problem: true, is_list: true, ..ANY };
 /// Field that says how fine grids or meshes are.
 const FINENESS: Field = Field { says: &[HOW_FINE], ..ANY };
 /// Field that asks for an accuracy.
@@ -432,12 +434,43 @@ fn fineness_in_words(of: &Statement, name: &str) -> Vec<String> {
     fineness.into_iter().map(Fineness::to_string).collect()
 }
 
-/// Text of the parameter of the law, if it is one of this kind.
-fn law_in_words(of: &Statement, kind: fn(f64) -> LawParameter) -> Vec<String> {
-    let (LawParameter::Friction(bound) | LawParameter::Limit(bound)) =
-        of.law.unwrap_or(LawParameter::Friction(0.0));
-    let own = of.law.filter(|law| *law == kind(bound));
-    own.iter().map(|_| Written(bound).to_string()).collect()
+/// Texts of the laws with this name: its number, and `PART=NUMBER` for each part that has one of its own.
+fn laws_in_words(of: &Statement, name: &str) -> Vec<String> {
+    let number = |law: LawParameter| {
+        let (own, number) = law.named();
+        (own == name).then(|| Written(number).to_string())
+    };
+    let of_parts = of.domain.laws.iter();
+    let of_parts = of_parts.filter_map(|(part, law)| Some(format!("{part}={}", number(*law)?)));
+    of.law.and_then(number).into_iter().chain(of_parts).collect()
+}
+
+/// The statement with these laws of one kind, each a number or `PART=NUMBER`, in place of others of this kind; with a
+/// number alone, in place of the law of all other parts as well.
+fn under_laws(
+    mut of: Statement,
+    kind: fn(f64) -> LawParameter,
+    given: &[String],
+) -> Result<Statement, String> {
+    let is_other = |law: &LawParameter| law.named().0 != kind(1.0).named().0;
+    of.law = of.law.filter(is_other);
+    of.domain.laws.retain(|_, law| is_other(law));
+    for text in given {
+        // A name may have the sign.
+        let (part, number) = match text.rsplit_once('=') {
+            Some((part, number)) => (Some(part.trim().to_owned()), number),
+            None => (None, text.as_str()),
+        };
+        let law = kind(positive(&[number.to_owned()], "0.3")?);
+        let before = match part {
+            Some(part) => of.domain.laws.insert(part, law),
+            None => of.law.replace(law).filter(|before| !is_other(before)),
+        };
+        if before.is_some() {
+            return Err("the part has a law already; name it once".into());
+        }
+    }
+    Ok(of)
 }
 
 /// Text of the curve of a part.
@@ -467,14 +500,6 @@ fn positive(given: &[String], example: &str) -> Result<f64, String> {
 fn share(given: &[String], example: &str) -> Result<f64, String> {
     let number = positive(given, example).ok().filter(|number| *number < 1.0);
     number.ok_or_else(|| format!("must be between 0 and 1, e.g. {example}"))
-}
-
-/// Reads the number of a law.
-fn law(given: &[String]) -> Result<f64, String> {
-    match given.iter().any(|text| text.contains('=')) {
-        true => Err(limits::one_law()),
-        false => positive(given, "0.3"),
-    }
 }
 
 /// Reads the cells per side of grids.
@@ -540,7 +565,11 @@ impl Field {
 
     /// Value as scenes have it.
     pub(super) fn toml(&self, texts: &[String]) -> Value {
-        if self.is_list { texts.to_vec().into() } else { toml(&texts.concat()) }
+        match texts {
+            [text] if self.table == Some("law") => toml(text),
+            _ if self.is_list => texts.to_vec().into(),
+            _ => toml(&texts.concat()),
+        }
     }
 
     /// Texts as options have them of a value as scenes have it.
@@ -577,6 +606,11 @@ impl Field {
         });
         let (one, other) = (one?, other?);
         (one != other).then_some([one, other])
+    }
+
+    /// True if these texts are about single parts of the boundary.
+    fn is_of_parts(&self, texts: &[String]) -> bool {
+        self.table == Some("law") && texts.iter().all(|text| text.contains('='))
     }
 
     /// Fact that both this field and another say; none if they go together.
@@ -699,7 +733,8 @@ impl Fields {
             }
             field.check_domain(voice, domain)?;
             field.check_solver(voice, solver)?;
-            let mut before = FIELDS[..place].iter().filter(|other| self.has(other.name));
+            let says = |of: &&Field| self.has(of.name) && !of.is_of_parts(self.texts(of.name));
+            let mut before = FIELDS[..place].iter().filter(says).filter(|_| says(&field));
             let twice = before.find_map(|other| Some((other, field.says_as(other)?)));
             if let Some((other, what)) = twice {
                 let text = format!(

@@ -193,7 +193,7 @@ impl Adviser<'_> {
 
     /// Remedy for a load vector that no flux balances.
     fn balanced(self) -> String {
-        let (fineness, is_papers_law) = (self.fineness(), self.statement.law.is_none());
+        let (fineness, is_papers_law) = (self.fineness(), self.statement.is_signorini());
         let other = if is_papers_law { "a lower f" } else { "a wider law" };
         match self.takes_exact() {
             true => format!("use {}, another {fineness}, or {other}", self.exact()),

@@ -9,7 +9,7 @@ use crate::replication::fields::table::FIELDS;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use signorini_mathematics::bounds::Accuracy;
-use signorini_mathematics::problem::law::Law;
+use signorini_mathematics::problem::law::{Law, LawParameter};
 use signorini_mathematics::solvers::{Run, Solved};
 use signorini_mathematics::statement::{Fineness, Statement};
 
@@ -59,9 +59,13 @@ pub(crate) fn details(
 /// Returns the settings, by name, on which an answer on levels depends besides f and how fine they are: the law, and
 /// the fields that not all solvers take.
 pub(crate) fn settings(statement: &Statement) -> Vec<(&'static str, Varying)> {
-    let law = statement.law.and_then(|law| law.law().ok());
-    let mut settings: Vec<_> =
-        law.map(|law| ("law", Varying::Text(law.to_string()))).into_iter().collect();
+    let in_words = |law: LawParameter| law.law().map(|law| law.to_string()).ok();
+    let of_parts = statement.domain.laws.iter();
+    let of_parts =
+        of_parts.filter_map(|(part, law)| Some(format!("{} on {part}", in_words(*law)?)));
+    let laws: Vec<_> = statement.law.and_then(in_words).into_iter().chain(of_parts).collect();
+    let laws = (!laws.is_empty()).then(|| ("law", Varying::Text(laws.join(", "))));
+    let mut settings: Vec<_> = laws.into_iter().collect();
     for field in FIELDS.iter().filter(|field| field.is_of_solver()) {
         settings.extend(field.varying(statement).map(|value| (field.name, value)));
     }

@@ -64,7 +64,7 @@ impl Scene {
 
     /// Makes the checks that concern the scene as a whole.
     pub(super) fn complete(mut self) -> Reading<Self> {
-        if self.statement.law.is_some() && self.paper_table.is_some() {
+        if !self.statement.is_signorini() && self.paper_table.is_some() {
             let text =
                 "the published tables are for the paper's law; leave out `law`, or `paper_table`";
             return Err(Refused::new("law", text));

@@ -102,19 +102,3 @@ pub(crate) fn components(network: &Network, of_nodes: &[u32], load: &[f64]) -> V
     }
     found
 }
-
-/// Law on the boundary of the square, and load vector.
-#[derive(Clone, Copy, Debug)]
-pub struct LawAndLoad<'a> {
-    /// Law on the boundary.
-    pub law: Law,
-    /// Load vector F (6), one number per node.
-    pub load: &'a [f64],
-}
-
-impl Law {
-    /// Returns this law with a load vector.
-    pub fn with_load(self, load: &[f64]) -> LawAndLoad<'_> {
-        LawAndLoad { law: self, load }
-    }
-}

@@ -171,7 +171,7 @@ impl AnyMesh {
         either!(self, mesh => (mesh.parts.len() > 1).then(|| mesh.parts_of(marked)))
     }
 
-    /// The mesh with this law on all parts that are neither free nor fixed.
+    /// The mesh with this law on all parts that have the paper's.
     #[must_use]
     pub fn with_law(self, law: Law) -> Self {
         either!(self, mesh => mesh.with_law(law).into())
@@ -180,7 +180,7 @@ impl AnyMesh {
     /// Sets the law on the facets of this name.
     ///
     /// # Errors
-    /// A sentence if no facets of the boundary have this name, or some are free or fixed already.
+    /// A sentence if no facets of the boundary have this name, or some have another law already.
     pub fn set_law(&mut self, name: &str, law: Law) -> Result<(), String> {
         either!(self, mesh => mesh.set_law(name, law))
     }
@@ -262,7 +262,8 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
             if part.law != Law::SIGNORINI && part.law != law {
                 let names = &part.names;
                 return Err(format!(
-                    "facets named {names} would be free and fixed; choose one of the two"
+                    "facets named {names} would have two laws, {} and {law}; choose one of the two",
+                    part.law
                 ));
             }
             part.law = law;

@@ -219,10 +219,10 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         &mut self.parts
     }
 
-    /// The mesh with this law on all parts that are neither free nor fixed.
+    /// The mesh with this law on all parts that have the paper's.
     #[must_use]
     pub fn with_law(mut self, law: Law) -> Self {
-        let parts = self.parts.iter_mut().filter(|part| part.law.may_move());
+        let parts = self.parts.iter_mut().filter(|part| part.law == Law::SIGNORINI);
         parts.for_each(|part| part.law = law);
         self
     }

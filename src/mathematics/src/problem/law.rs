@@ -294,11 +294,6 @@ impl Law {
         [flux - self.lo, self.hi - flux]
     }
 
-    /// True if the law is the paper's.
-    pub fn is_signorini(self) -> bool {
-        self == Self::SIGNORINI
-    }
-
     /// Law of -v, if this is the law of v.
     #[must_use]
     pub fn reflected(self) -> Self {
@@ -400,13 +395,13 @@ impl Law {
 /// The interval, as it stands in messages.
 impl fmt::Display for Law {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.is_signorini() {
-            return out.write_str("Signorini");
+        match *self {
+            Self::SIGNORINI => out.write_str("Signorini"),
+            Self::FREE => out.write_str("free"),
+            Self::FIXED => out.write_str("fixed"),
+            Self { lo, hi } if lo == -hi => write!(out, "friction {}", Written(hi)),
+            Self { lo, hi } => write!(out, "flux from {} to {}", Written(lo), Written(hi)),
         }
-        if self.lo == -self.hi {
-            return write!(out, "friction {}", Written(self.hi));
-        }
-        write!(out, "flux from {} to {}", Written(self.lo), Written(self.hi))
     }
 }
 

@@ -116,7 +116,7 @@ pub(super) fn multigrid(
     let load = problem.load();
     let solved = match problem.levels().discrete() {
         Discrete::Lattices(lattices) => {
-            solve_square(lattices.finest().cells(), lattices.law().with_load(load), &params)
+            solve_square(lattices.finest().cells(), lattices.law(), load, &params)
         }
         Discrete::Networks(networks) => solve_nested_networks(networks, load, &params),
     };

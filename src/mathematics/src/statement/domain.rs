@@ -2,7 +2,7 @@
 
 use super::StatementError;
 use crate::mesh::{AnyMesh, BuiltIn, gmsh, uniform_cube};
-use crate::problem::law::Law;
+use crate::problem::law::{Law, LawParameter};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use unicode_normalization::UnicodeNormalization;
@@ -18,6 +18,9 @@ pub struct Domain {
     /// Parts of the boundary where v = 0.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fixed: Vec<String>,
+    /// Parts of the boundary with laws of their own.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub laws: BTreeMap<String, LawParameter>,
     /// Circles, spheres and cylinders on which parts of the boundary lie, each by its numbers.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub curve: BTreeMap<String, Vec<f64>>,
@@ -81,12 +84,15 @@ impl Domain {
             (None, Some(cells)) => uniform_cube(cells).into(),
             (None, None) => AnyMesh::built_in(&self.name).ok_or_else(|| self.unknown())?,
         };
-        let conditions = [("free", &self.free, Law::FREE), ("fixed", &self.fixed, Law::FIXED)];
-        for (field, parts, condition) in conditions {
-            for part in parts {
-                let set = mesh.set_law(&as_in_mesh(&mesh, part), condition);
-                set.map_err(|e| StatementError::field(field, part, e))?;
-            }
+        let free = self.free.iter().map(|part| ("free", part, Law::FREE));
+        let fixed = self.fixed.iter().map(|part| ("fixed", part, Law::FIXED));
+        let mut laws: Vec<_> = free.chain(fixed).collect();
+        for (part, parameter) in &self.laws {
+            laws.push((parameter.named().0, part, parameter.law()?));
+        }
+        for (field, part, law) in laws {
+            let set = mesh.set_law(&as_in_mesh(&mesh, part), law);
+            set.map_err(|e| StatementError::field(field, part, e))?;
         }
         for (part, numbers) in &self.curve {
             let set = mesh.set_curve(&as_in_mesh(&mesh, part), numbers);

@@ -38,11 +38,11 @@ use serde::{Deserialize, Serialize};
 /// task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Statement {
-    /// Domain, with the conditions on the parts of its boundary.
+    /// Domain, with the laws of the parts of its boundary that are named.
     pub domain: Domain,
     /// f as text; on the square as [`Source`] writes it.
     pub f: String,
-    /// Law where the boundary is in contact; none for the paper's.
+    /// Law on parts of the boundary that are named nowhere else; none for the paper's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<LawParameter>,
     /// Quadrature of the load vector on the square; none on meshes, which have one alone.
@@ -119,12 +119,17 @@ impl Statement {
         }
     }
 
-    /// Law where the boundary is in contact.
+    /// Law on parts of the boundary that are named nowhere else.
     ///
     /// # Errors
     /// [`LawError`] if its parameter makes none.
     pub fn law(&self) -> Result<Law, LawError> {
         LawParameter::law_or_papers(self.law)
+    }
+
+    /// True if the law is the paper's wherever the boundary is in contact.
+    pub fn is_signorini(&self) -> bool {
+        self.law.is_none() && self.domain.laws.is_empty()
     }
 
     /// f on the square; none on meshes, and if the text is no f.
@@ -156,7 +161,12 @@ impl Statement {
     /// [`StatementError::Field`].
     pub fn mesh(&self, file: Option<&[u8]>) -> Result<Option<AnyMesh>, StatementError> {
         if self.domain.is_square() {
-            return Ok(None);
+            let Some((part, parameter)) = self.domain.laws.first_key_value() else {
+                return Ok(None);
+            };
+            let reason =
+                "the square has one law and no parts; give the law alone, or another domain";
+            return Err(StatementError::field(parameter.named().0, part, reason));
         }
         let cells = match self.fineness {
             Fineness::Width(cells) => Some(fineness::of_cube(cells)?[0]),

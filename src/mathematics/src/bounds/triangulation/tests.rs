@@ -195,7 +195,7 @@ fn the_square_has_the_bracket_of_its_grid() {
         let grid = Grid::new(n).unwrap();
         let load = load(grid, &source, LoadRule::Exact { diagonal: Diagonal::default() });
         let params = MultigridParams::default();
-        let (y, _) = solve_square(n, Law::SIGNORINI.with_load(&load), &params).unwrap();
+        let (y, _) = solve_square(n, Law::SIGNORINI, &load, &params).unwrap();
         let half = n as u32 / 2;
         let mut problem = square(n as u32, |i, j| if i.max(j) < half { 3.0 } else { -1.1 });
         problem.y.clone_from(&y);

@@ -380,7 +380,7 @@ mod tests {
         let refused = mesh.set_law("south", Law::FIXED).unwrap_err();
         assert_eq!(
             refused,
-            "facets named south, loaded would be free and fixed; choose one of the two"
+            "facets named south, loaded would have two laws, free and fixed; choose one of the two"
         );
         assert_eq!(mesh.set_law("south", Law::FREE), Ok(()));
         let refused = mesh.set_law("diagonal", Law::FREE).unwrap_err();

@@ -63,7 +63,7 @@ impl DiscreteStart {
         let grid = Grid::new(cells).ok()?;
         let load = load(grid, f, LoadRule::Bilinear {});
         let params = MultigridParams::default();
-        let (y, _) = solve_square(cells, law.with_load(&load), &params).ok()?;
+        let (y, _) = solve_square(cells, law, &load, &params).ok()?;
         Some(Self::new(judge((grid, law), &y, &load), y, vec![square_boundary(grid, law)]))
     }
 

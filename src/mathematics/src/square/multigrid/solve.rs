@@ -12,7 +12,6 @@ use super::rows::Colour::{Black, Red};
 use super::stencil::{MULTIPLICATIONS_PER_VISIT, contact_nodes};
 use super::workspace::Multigrid;
 use super::{load, pass, rows};
-use crate::discrete::domain::LawAndLoad;
 use crate::discrete::end::{End, Stop};
 use crate::discrete::grid::Grid;
 use crate::discrete::load_stats::LoadStats;
@@ -49,16 +48,18 @@ impl Multigrid {
     /// sum is not negative.
     pub fn solve(
         &mut self,
-        problem: LawAndLoad<'_>,
+        law: Law,
+        load: &[f64],
         params: &MultigridParams,
     ) -> Result<End, InputError> {
         among_threads(self.finest().nodes, || {
             // The load is read in natural order and written in red and black rows, the solution the other way round.
             (self.work_units, self.traffic) = (0.0, 32.0);
-            let laws = LawSum::of(problem.law, Grid::PERIMETER);
-            self.one_sided = OneSided::new(&laws, problem.load)?;
-            let has_limits = problem.law.is_bounded();
-            driver::solve(&mut SquareRun::new(self, problem, params.goal), has_limits, params)
+            let laws = LawSum::of(law, Grid::PERIMETER);
+            self.one_sided = OneSided::new(&laws, load)?;
+            let mut run =
+                SquareRun { grids: self, law, load, goal: params.goal, parts: PartRule::default() };
+            driver::solve(&mut run, law.is_bounded(), params)
         })
     }
 
@@ -72,7 +73,7 @@ impl Multigrid {
     }
 
     /// Sets the scaled loads of all grids.
-    fn set_problem(&mut self, LawAndLoad { law, load }: LawAndLoad<'_>) -> Result<(), InputError> {
+    fn set_problem(&mut self, law: Law, load: &[f64]) -> Result<(), InputError> {
         let (n, nodes) = (self.finest().n, self.finest().nodes);
         check_length(nodes, load)?;
         if !self.one_sided.is_reflected && law.lo() == 0.0 {
@@ -155,15 +156,10 @@ impl Multigrid {
 /// Solution of one problem on the grids of the square.
 struct SquareRun<'a> {
     grids: &'a mut Multigrid,
-    problem: LawAndLoad<'a>,
+    law: Law,
+    load: &'a [f64],
     goal: Goal,
     parts: PartRule,
-}
-
-impl<'a> SquareRun<'a> {
-    fn new(grids: &'a mut Multigrid, problem: LawAndLoad<'a>, goal: Goal) -> Self {
-        Self { grids, problem, goal, parts: PartRule::default() }
-    }
 }
 
 impl Hierarchy for SquareRun<'_> {
@@ -175,8 +171,8 @@ impl Hierarchy for SquareRun<'_> {
 
     fn set_problem(&mut self, has_limits: bool) -> Result<LoadScale, InputError> {
         let grids = &mut *self.grids;
-        grids.set_problem(self.problem)?;
-        grids.set_limit(self.problem.law, has_limits);
+        grids.set_problem(self.law, self.load)?;
+        grids.set_limit(self.law, has_limits);
         if self.goal == Goal::DiscretisationError && grids.levels.len() > 1 {
             grids.coarse_load = grids.coarse_norm();
         }
@@ -244,7 +240,7 @@ impl Hierarchy for SquareRun<'_> {
     }
 
     fn residual_under(&mut self, has_limits: bool) -> Result<f64, InputError> {
-        self.grids.set_limit(self.problem.law, has_limits);
+        self.grids.set_limit(self.law, has_limits);
         Ok(self.grids.natural_residual())
     }
 

@@ -2,11 +2,10 @@
 
 use super::coarsest::Coarsest;
 use super::level::MultigridLevel;
-use crate::discrete::domain::LawAndLoad;
 use crate::discrete::end::End;
 use crate::machine::threads::among_threads;
 use crate::multigrid::{InputError, MultigridParams, check_size};
-use crate::problem::law::OneSided;
+use crate::problem::law::{Law, OneSided};
 
 /// Preallocated grids of the square for problems with `n` cells per side.
 pub struct Multigrid {
@@ -86,13 +85,14 @@ impl Multigrid {
 /// has no unique minimiser.
 pub fn solve_square(
     n: usize,
-    problem: LawAndLoad<'_>,
+    law: Law,
+    load: &[f64],
     params: &MultigridParams,
 ) -> Result<(Vec<f64>, End), InputError> {
     let mut grids = Multigrid::square(n)?;
-    let mut solution = vec![0.0; problem.load.len()];
-    let outcome = among_threads(problem.load.len(), || {
-        let outcome = grids.solve(problem, params)?;
+    let mut solution = vec![0.0; load.len()];
+    let outcome = among_threads(load.len(), || {
+        let outcome = grids.solve(law, load, params)?;
         grids.write_solution(&mut solution);
         Ok::<_, InputError>(outcome)
     })?;

@@ -61,7 +61,7 @@ fn known() -> Vec<SquareProblem> {
 
 fn solved(grid: Grid, f: &Source, law: Law) -> Vec<f64> {
     let load = load(grid, f, LoadRule::Bilinear {});
-    solve_square(grid.cells(), law.with_load(&load), &MultigridParams::default()).unwrap().0
+    solve_square(grid.cells(), law, &load, &MultigridParams::default()).unwrap().0
 }
 
 /// Vector with something added at each node, by its number, column and row.
