@@ -50,16 +50,6 @@ struct Named {
     description: String,
 }
 
-/// Scene with the command that solves it.
-#[derive(Serialize)]
-struct SceneCommand {
-    schema: u8,
-    name: String,
-    title: String,
-    /// Command in the folder of the project; of a saddle-point method for the r that is drawn.
-    command: String,
-}
-
 pub(super) fn list(args: &ListArgs) -> Result<u8> {
     let part = args.name.as_deref().filter(|name| PARTS.contains(name));
     if let (Some(name), None) = (&args.name, part) {
@@ -70,10 +60,10 @@ pub(super) fn list(args: &ListArgs) -> Result<u8> {
         schema: 1,
         scenes: scenes.into_iter().map(|scene| Named::new(scene.name, scene.title)).collect(),
         broken: broken.into_iter().map(|(name, why)| Named::new(name, why)).collect(),
-        solvers: solvers(),
-        domains: domains(),
-        square: known(2),
-        cube: known(3),
+        solvers: SOLVERS.iter().map(|entry| Named::new(entry.name, entry.description)).collect(),
+        domains: BUILT_IN.iter().map(|(name, of)| Named::new(*name, of.description())).collect(),
+        square: Known::all(2).iter().map(Known::name).collect(),
+        cube: Known::all(3).iter().map(Known::name).collect(),
     };
     if args.json { say_json(&listed) } else { tell(&listed.text(part)) }?;
     for Named { description, .. } in &listed.broken {
@@ -93,13 +83,13 @@ fn list_scene(name: &str, json: bool) -> Result<u8> {
         true => format!("signorini solve {}", in_shell(&name)),
         false => command(&statement).join(" "),
     };
-    let shown = SceneCommand { schema: 1, name, title, command };
     match json {
-        true => say_json(&shown)?,
+        true => say_json(&serde_json::json!({
+            "schema": 1, "name": name, "title": title, "command": command,
+        })),
         // To be copied: not broken between words.
-        false => say(&format!("{}: {}\n{}\n", shown.name, shown.title, shown.command))?,
-    };
-    Ok(0)
+        false => say(&format!("{name}: {title}\n{command}\n")),
+    }
 }
 
 /// Exit code if a scene cannot be read, as for all wrong input.
@@ -119,19 +109,6 @@ fn scenes() -> Result<SceneFolder> {
         }
         Err(other) => Err(other),
     }
-}
-
-/// Returns the names of the problems with known solutions on the square or, in three dimensions, on the cube.
-fn known(dimension: usize) -> Vec<&'static str> {
-    Known::all(dimension).iter().map(|known| known.name()).collect()
-}
-
-fn solvers() -> Vec<Named> {
-    SOLVERS.iter().map(|entry| Named::new(entry.name, entry.description)).collect()
-}
-
-fn domains() -> Vec<Named> {
-    BUILT_IN.iter().map(|(name, domain)| Named::new(*name, domain.description())).collect()
 }
 
 impl Named {

@@ -287,21 +287,3 @@ fn snakemake_runs_two_hundred_scenes() {
         assert_done(&project, &made_at_once(|| many(200)));
     }
 }
-
-#[test]
-#[ignore = "takes some minutes; run with --ignored"]
-fn snakemake_submits_to_a_cluster() {
-    let project = many(8);
-    let plugin = "import snakemake_executor_plugin_cluster_generic";
-    let output = Command::new("python").args(["-c", plugin]).stderr(Stdio::null()).status();
-    if !output.is_ok_and(|status| status.success()) {
-        return skip("no snakemake-executor-plugin-cluster-generic for the python on the PATH");
-    }
-    // The cluster is this machine, which takes a job as a script in the background.
-    let submit = "sh -c 'nohup sh \"$0\" > /dev/null 2>&1 & echo $!'";
-    let args = "--executor cluster-generic --jobs 2 --latency-wait 30 --cluster-generic-submit-cmd";
-    let args: Vec<_> = args.split(' ').chain([submit]).collect();
-    if snakemake(&project, &args).is_some() {
-        assert_done(&project, &made_at_once(|| many(8)));
-    }
-}
