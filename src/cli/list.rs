@@ -62,8 +62,8 @@ pub(super) fn list(args: &ListArgs) -> Result<u8> {
         broken: broken.into_iter().map(|(name, why)| Named::new(name, why)).collect(),
         solvers: SOLVERS.iter().map(|entry| Named::new(entry.name, entry.description)).collect(),
         domains: BUILT_IN.iter().map(|(name, of)| Named::new(*name, of.description())).collect(),
-        square: Known::all(2).iter().map(Known::name).collect(),
-        cube: Known::all(3).iter().map(Known::name).collect(),
+        square: Known::all(2).iter().map(|known| known.name()).collect(),
+        cube: Known::all(3).iter().map(|known| known.name()).collect(),
     };
     if args.json { say_json(&listed) } else { tell(&listed.text(part)) }?;
     for Named { description, .. } in &listed.broken {

@@ -20,7 +20,8 @@ pub(super) fn simplified(corners: &[Place]) -> Vec<Place> {
         let (mut farthest, mut most) = (from, OFF_LINE * OFF_LINE);
         for (k, &corner) in corners.iter().enumerate().take(to).skip(from + 1) {
             let squared = squared_distance(corner, ends);
-            if squared > most {
+            // What has no place stays, and the picture is refused.
+            if squared > most || squared.is_nan() {
                 (farthest, most) = (k, squared);
             }
         }
