@@ -39,7 +39,7 @@ fn law_of(text: &str) -> Law {
         let number = number.parse().unwrap();
         if name == "limit" { LawParameter::Limit(number) } else { LawParameter::Friction(number) }
     });
-    LawParameter::law_or_papers(law).unwrap()
+    law.map_or(Law::SIGNORINI, |law| law.law().unwrap())
 }
 
 #[track_caller]

@@ -34,7 +34,6 @@ pub(crate) fn details(
     if let Some(reason) = solved.no_bound() {
         insert(json!({ "bound_reason": reason.to_string() }));
     }
-    let ends = |law: Law| json!({ "lo": finite(law.lo()), "hi": finite(law.hi()) });
     match solved.problem.law() {
         Some(Law::SIGNORINI) => {}
         Some(law) => insert(json!({ "law": ends(law) })),
@@ -59,7 +58,6 @@ pub(crate) fn details(
 /// Returns the settings, by name, on which an answer on levels depends besides f and how fine they are: the law, and
 /// the fields that not all solvers take.
 pub(crate) fn settings(statement: &Statement) -> Vec<(&'static str, Varying)> {
-    let in_words = |law: LawParameter| law.law().map(|law| law.to_string()).ok();
     let of_parts = statement.domain.laws.iter();
     let of_parts =
         of_parts.filter_map(|(part, law)| Some(format!("{} on {part}", in_words(*law)?)));
@@ -70,6 +68,16 @@ pub(crate) fn settings(statement: &Statement) -> Vec<(&'static str, Varying)> {
         settings.extend(field.varying(statement).map(|value| (field.name, value)));
     }
     settings
+}
+
+/// Ends of the interval of a law.
+fn ends(law: Law) -> Value {
+    json!({ "lo": finite(law.lo()), "hi": finite(law.hi()) })
+}
+
+/// A law in words.
+fn in_words(law: LawParameter) -> Option<String> {
+    Some(law.law().ok()?.to_string())
 }
 
 /// A number, null if it is infinite.

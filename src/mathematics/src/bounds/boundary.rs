@@ -27,11 +27,6 @@ impl Slips {
     /// Both signs.
     pub(crate) const ALL: Self = Self { up: true, down: true };
 
-    /// Signs that a law allows.
-    pub(crate) fn of_law(law: Law) -> Self {
-        Self::ALL.and(law)
-    }
-
     /// Those signs that a law allows.
     pub(crate) fn and(self, law: Law) -> Self {
         Self { up: self.up && law.lo().is_finite(), down: self.down && law.hi().is_finite() }
@@ -196,8 +191,8 @@ fn single_positive_mean<const N: usize>(values: [f64; N]) -> f64 {
     others.fold(top / N as f64, |product, value| product * (top / (top - value)))
 }
 
-/// Shifts the fluxes per length or area by one number, and keeps them in the intervals, so that their sum becomes `sum`.
-/// Parts at an end of the interval, where v slips, move only if the others cannot balance the sum.
+/// Shifts the fluxes per length or area by one number, and keeps them in the intervals, so that their sum becomes
+/// `sum`. Parts at an end of the interval, where v slips, move only if the others cannot balance the sum.
 ///
 /// The intervals must be bounded. A sum out of reach is missed.
 pub(crate) fn shift_to_sum(parts: &mut [BoundaryPart], sum: f64) {

@@ -379,8 +379,8 @@ impl Network {
         self.diagonal[node] * y[node] - self.row(node).add_to(load[node], y)
     }
 
-    /// Natural residual of a vector whose gradient of the energy is known: the largest of `|A y - F|`, that of these laws
-    /// of the contact nodes, and of values at held nodes.
+    /// Natural residual of a vector whose gradient of the energy is known: the largest of `|A y - F|`, that of these
+    /// laws of the contact nodes, and of values at held nodes.
     pub(crate) fn natural_residual(
         &self,
         laws: &[Law],

@@ -18,8 +18,8 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-/// Domain with f and the laws on the parts of its boundary, and its nested discrete problems. The flux can balance f: it
-/// has a unique solution.
+/// Domain with f and the laws on the parts of its boundary, and its nested discrete problems. The flux can balance f:
+/// it has a unique solution.
 #[derive(Clone)]
 pub struct Problem {
     levels: Arc<dyn Levels>,
@@ -155,8 +155,7 @@ impl Problem {
 
     /// The laws, in words: the law, or that of each part that is neither free nor fixed.
     pub fn laws_in_words(&self) -> String {
-        let of_part = |(part, law): (String, Law)| format!("{law} on {part}");
-        let laws = self.levels.laws().into_iter().map(of_part);
+        let laws = self.levels.laws().into_iter().map(|(part, law)| format!("{law} on {part}"));
         self.law().map_or_else(|| laws.collect::<Vec<_>>().join(", "), |law| law.to_string())
     }
 

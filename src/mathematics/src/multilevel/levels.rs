@@ -7,7 +7,7 @@ use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::multigrid::order::reverse_cuthill_mckee;
 use crate::multigrid::{InputError, check_load};
-use crate::problem::law::{ContactNode, Law};
+use crate::problem::law::Law;
 use std::borrow::Cow;
 
 /// Discrete problem with the interpolation from the next coarser one.
@@ -181,17 +181,12 @@ impl NestedProblem<'_> {
     pub(super) fn laws(&self, has_limits: bool, level: usize) -> Result<Vec<Law>, InputError> {
         let [finest, network] = [self.finest(), level].map(|level| self.levels.network(level));
         // On curved boundaries the coarser polygons are shorter: their flux has to balance the same load.
-        // Without contact nodes there is nothing to balance.
-        let longer = if network.contact().is_empty() {
-            1.0
-        } else {
-            finest.laws().measure / network.laws().measure
-        };
-        let law = |contact: &ContactNode| {
-            let limit = if has_limits { contact.law.one_sided().hi() } else { f64::INFINITY };
-            Ok(Law::new(0.0, limit / self.scale * longer)?)
-        };
-        network.contact().iter().map(law).collect()
+        let longer = finest.laws().measure / network.laws().measure;
+        let limits = network.contact().iter().map(|contact| match has_limits {
+            true => contact.law.one_sided().hi() / self.scale * longer,
+            false => f64::INFINITY,
+        });
+        limits.map(|limit| Ok(Law::new(0.0, limit)?)).collect()
     }
 }
 

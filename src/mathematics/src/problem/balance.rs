@@ -44,8 +44,8 @@ impl Balance {
 
 /// Sorts the nodes of a component by increasing values, then by decreasing multipliers: the order in which they begin
 /// to slip down if a growing constant is subtracted from all values. Returns the place of the node which is zero after
-/// the constant of least energy, where the nodes before have at most the flux `needed` that balances the load; under the
-/// paper's law the first.
+/// the constant of least energy, where the nodes before have at most the flux `needed` that balances the load; under
+/// the paper's law the first.
 ///
 /// # Panics
 /// If there are no nodes.

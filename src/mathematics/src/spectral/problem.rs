@@ -25,8 +25,8 @@ impl PlaneProblem {
     /// The problem on the domain of a mesh.
     ///
     /// # Errors
-    /// [`PlaneError`] if the boundary is neither straight nor on the circles of its parts, these have several laws, or f
-    /// is of a kind that is not served.
+    /// [`PlaneError`] if the boundary is neither straight nor on the circles of its parts, these have several laws, or
+    /// f is of a kind that is not served.
     pub(in crate::spectral) fn on_mesh(mesh: &PlaneMesh, f: &[Source]) -> Result<Self, PlaneError> {
         let law = Law::only(&mesh.laws()).ok_or_else(|| {
             PlaneError::Domain("the true solution takes one law for all of a component".into())

@@ -124,7 +124,7 @@ impl Statement {
     /// # Errors
     /// [`LawError`] if its parameter makes none.
     pub fn law(&self) -> Result<Law, LawError> {
-        LawParameter::law_or_papers(self.law)
+        self.law.map_or(Ok(Law::SIGNORINI), LawParameter::law)
     }
 
     /// True if the law is the paper's wherever the boundary is in contact.

@@ -45,8 +45,7 @@ impl Outlet {
     /// Order by fitness for what is left in the end: fixed sides first, then sides with much room, for the paper's law
     /// much outflow. Of two sides with equal room, the one with the smaller flux.
     fn compare(&self, other: &Self) -> Ordering {
-        let is_fixed = |outlet: &Self| outlet.law == Law::FIXED;
-        let by_law = is_fixed(other).cmp(&is_fixed(self));
+        let by_law = (other.law == Law::FIXED).cmp(&(self.law == Law::FIXED));
         let by_room = by_law.then(other.room.total_cmp(&self.room));
         by_room.then(self.size.total_cmp(&other.size))
     }

@@ -52,7 +52,7 @@ impl Reactions {
             };
         } else {
             scale_reactions(of_nodes, outer, f.integral, &mut values);
-            (flow, slips) = (Grid::PERIMETER * finite_size(law), Slips::of_law(law));
+            (flow, slips) = (Grid::PERIMETER * finite_size(law), Slips::ALL.and(law));
         }
         values.push(values[0]);
         let [bottom, right, mut top, mut left] =

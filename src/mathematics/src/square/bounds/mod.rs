@@ -111,7 +111,7 @@ fn bracketed(
     assert_eq!(y.len(), grid.nodes());
     let data = AllCells::new(grid, f);
     Component::whole(law, Grid::PERIMETER, data.integral).check(0.0)?;
-    let projection = project(grid, Slips::of_law(law), y);
+    let projection = project(grid, Slips::ALL.and(law), y);
     let (found, slips) = summed(&data, law, &projection, recovered.as_deref_mut());
     let narrower = project(grid, slips, y);
     if narrower.distance == projection.distance {

@@ -99,7 +99,7 @@ fn a_sweep_has_the_integrals_of_the_vector_and_of_its_recovery() {
             y.iter_mut()
                 .enumerate()
                 .for_each(|(node, value)| *value += libm::sin(0.3 * (node % (n + 1)) as f64) - 0.2);
-            let v = project(grid, Slips::of_law(law), &y).v.into_owned();
+            let v = project(grid, Slips::ALL.and(law), &y).v.into_owned();
             let mut recovered = vec![0.0; (2 * n + 1).pow(2)];
             let (found, _) = total(&data, law, &v, Some(&mut recovered));
             let cells = cells_of(grid, &recovered, &data, true);
@@ -192,7 +192,7 @@ fn values_that_the_law_forbids_become_zero_and_count_with_their_distance() {
     for (k, grid) in grids().into_iter().enumerate() {
         let y = vector(grid, k, 1.0);
         for law in laws() {
-            let moved = project(grid, Slips::of_law(law), &y);
+            let moved = project(grid, Slips::ALL.and(law), &y);
             for (node, (&value, &found)) in y.iter().zip(&*moved.v).enumerate() {
                 let is_kept = !grid.boundary().any(|b| b == node) || allows(law, value);
                 assert_eq!(found, if is_kept { value } else { 0.0 });

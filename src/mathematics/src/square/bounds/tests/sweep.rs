@@ -133,7 +133,7 @@ fn reactions_are_in_the_interval_and_balance_f() {
             balanced += 1;
             for size in [0.0, 1e-3, 1.0, 100.0] {
                 let y = vector(grid, k, size);
-                let v = project(grid, Slips::of_law(law), &y).v.into_owned();
+                let v = project(grid, Slips::ALL.and(law), &y).v.into_owned();
                 let outer: Vec<f64> = grid.boundary().map(|node| v[node]).collect();
                 let reactions = Reactions::new(grid, law, &v, &outer, &data);
                 let Reactions { bottom, top, left, right, .. } = &reactions;
