@@ -33,6 +33,10 @@ pub(super) const SCENE_KEYS: [&str; 8] =
 impl SceneKeys {
     /// Refuses outputs and keys that only a study has, or that a study does not have.
     pub(super) fn check_outputs(&self, is_study: bool) -> Reading<()> {
+        if is_study && self.draw_r.is_some() {
+            let text = "`draw_r` is of the pictures of one solution; leave it out of a study";
+            return Err(Refused::new("draw_r", text));
+        }
         let has_axes = self.chart.is_some();
         if !is_study && self.columns.is_some() {
             let text = "`columns` are of a study; add `vary`, or leave them out";

@@ -34,6 +34,8 @@ fn lists_of_rules_and_r_are_vary_written_short() {
     assert_eq!((short.is_study, long.is_study), (false, true));
     assert_eq!(short.study, long.study);
     assert_eq!(short.drawn(Some(StopRule::Printed)), &short.study.members[3]);
+    let drawn = Scene::parse("s", &format!("{method}{vary}draw_r = 10\n")).unwrap_err();
+    assert!(drawn.to_string().contains("leave it out of a study"), "{drawn}");
     let product = "r = [1, 10]\nvary = { friction = [1, 2] }\n";
     let product = Scene::parse("s", &format!("{method}{product}")).unwrap().study;
     assert_eq!((product.names, product.members.len()), (vec!["friction".into(), "r".into()], 4));
