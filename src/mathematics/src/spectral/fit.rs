@@ -9,7 +9,7 @@
 pub(super) mod field;
 pub(super) mod least_squares;
 
-use super::functions::{Functions, Values};
+use super::functions::{Family, Functions, Values};
 use super::setup::{Level, Setup};
 use crate::problem::complex::Complex;
 use crate::spectral::fit::least_squares::Columns;
@@ -194,6 +194,16 @@ impl Fit {
         coefficients[..=many - polynomials].rotate_left(1);
         let logs = x[2 * many - 1..][..functions.holes.len()].to_vec();
         Self { walk, functions, coefficients, logs, unknowns, rows }
+    }
+
+    /// Families with the coefficients of their functions, cut by cut.
+    pub(in crate::spectral) fn families(&self) -> impl Iterator<Item = (&Family, &[Complex])> {
+        let mut rest = &self.coefficients[..];
+        self.functions.families.iter().map(move |family| {
+            let (own, others) = rest.split_at(family.many());
+            rest = others;
+            (family, own)
+        })
     }
 
     /// Coefficients of all functions.

@@ -120,9 +120,8 @@ impl Functions {
 
     /// Number of functions but polynomials and logarithms of holes.
     fn own(&self) -> usize {
-        let families =
-            self.families.iter().map(|family| family.lengths.len() * family.powers.len());
-        families.sum::<usize>() + self.holes.iter().map(|hole| hole.powers).sum::<usize>()
+        self.families.iter().map(Family::many).sum::<usize>()
+            + self.holes.iter().map(|hole| hole.powers).sum::<usize>()
     }
 
     /// Real unknowns: the imaginary part of the constant is none, nor that of a coefficient of a logarithm of a hole.
@@ -306,6 +305,11 @@ fn recur(column: &[Complex], known: &[ComplexLanes], next: &mut ComplexLanes) {
 }
 
 impl Family {
+    /// Number of its functions.
+    pub(in crate::spectral) fn many(&self) -> usize {
+        self.lengths.len() * self.powers.len()
+    }
+
     /// Position of a place seen from the point.
     #[inline(always)]
     fn seen(&self, places: &SpotLanes, lane: usize) -> Complex {

@@ -1,8 +1,9 @@
 //! The domain: its curves and sides, in the frame of the solver, a walk along the boundary with its corners, and what
 //! lies outside of it.
 //!
-//! [`outline`] makes a [`domain`] of a mesh, [`frame`] scales it, [`boundary`] splits it at corners, ends of contact
-//! and crossings into intervals, on which [`panels`] have the points of the rows and of quadratures.
+//! In the coordinates of a [`frame`] [`outline`] makes the sides of a [`domain`] of a mesh, loops of which are a
+//! [`ring`] each; [`boundary`] splits them at corners, ends of contact and crossings into intervals, on which
+//! [`panels`] have the points of the rows and of quadratures.
 
 pub(super) mod boundary;
 pub(super) mod curve;

@@ -8,7 +8,8 @@ use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
 use crate::spectral::geometry::frame::Frame;
 use crate::spectral::geometry::outline::outline;
 use crate::spectral::source::polynomial::Polynomial;
-use crate::spectral::source::{PlaneSource, regions};
+use crate::spectral::source::{PlaneSource, Regions, regions};
+use std::collections::BTreeSet;
 
 /// Problem on a domain of the plane, all in the coordinates of its frame.
 #[derive(Clone, Debug)]
@@ -49,29 +50,24 @@ impl PlaneProblem {
 /// Returns f as the solver takes it, on a mesh in the coordinates of a domain.
 fn source(mesh: &PlaneMesh, f: &[Source], domain: &PlaneDomain) -> Result<PlaneSource, PlaneError> {
     let frame = domain.frame;
-    let mut in_use = mesh.regions().to_vec();
-    in_use.sort_unstable();
-    in_use.dedup();
-    let first = &f[usize::from(in_use[0])];
-    if in_use.iter().all(|&region| f[usize::from(region)] == *first) {
-        if !first.is_smooth() {
-            return Ok(PlaneSource::Pieces(frame.pieces(first)));
+    let in_use: BTreeSet<usize> = mesh.regions().iter().map(|&region| region.into()).collect();
+    let used: Vec<&Source> = in_use.into_iter().map(|region| &f[region]).collect();
+    if !used.iter().any(|f| f.is_smooth()) {
+        let pieces = f.iter().map(|f| frame.pieces(f)).collect();
+        return Ok(PlaneSource::Pieces(regions(mesh, pieces, frame)?));
+    }
+    let text = match used[0] {
+        first if used.iter().any(|f| *f != first) => {
+            "f has a formula on one region beside another f on the next"
         }
-        return match first {
-            Source::Formula(formula) => {
-                Ok(PlaneSource::Polynomial(Polynomial::of_formula(formula, domain)?))
-            }
-            Source::Exact(Known::Square(Exact::Torsion)) => {
-                let constant = Source::constant(first.at([0.0; 2]));
-                Ok(PlaneSource::Pieces(frame.pieces(&constant)))
-            }
-            _ => Err(PlaneError::Source("f is no polynomial in x and y".into())),
-        };
-    }
-    if in_use.iter().any(|&region| f[usize::from(region)].is_smooth()) {
-        let text = "f has a formula on one region beside another f on the next".into();
-        return Err(PlaneError::Source(text));
-    }
-    let pieces: Vec<Source> = f.iter().map(|f| frame.pieces(f)).collect();
-    Ok(PlaneSource::Regions(regions(mesh, pieces, frame)?))
+        Source::Formula(formula) => {
+            return Ok(PlaneSource::Polynomial(Polynomial::of_formula(formula, domain)?));
+        }
+        first @ Source::Exact(Known::Square(Exact::Torsion)) => {
+            let constant = frame.pieces(&Source::constant(first.at([0.0; 2])));
+            return Ok(PlaneSource::Pieces(Regions::all(constant)));
+        }
+        _ => "f is no polynomial in x and y",
+    };
+    Err(PlaneError::Source(text.into()))
 }

@@ -33,18 +33,17 @@ use std::collections::BTreeMap;
 /// Right-hand side of a domain in the plane.
 #[derive(Clone, Debug)]
 pub(crate) enum PlaneSource {
-    /// Constant pieces.
-    Pieces(Source),
+    /// Constant pieces on regions.
+    Pieces(Regions),
     /// A polynomial, in the coordinates of the domain's frame.
     Polynomial(Polynomial),
-    /// Constant pieces on each region.
-    Regions(Regions),
 }
 
 /// Constant pieces on regions with straight borders, and circular ones along the boundary of the domain.
 #[derive(Clone, Debug)]
 pub(crate) struct Regions {
-    /// Borders of regions on which f differs, with each other and along the boundary of the domain, each once.
+    /// Borders of regions on which f differs, with each other and along the boundary of the domain, each once; none if
+    /// f is the same on all.
     pub borders: Vec<RegionBorder>,
     /// f on the regions.
     pub pieces: Vec<Source>,
@@ -67,6 +66,11 @@ impl RegionBorder {
 }
 
 impl Regions {
+    /// The same pieces on all of a domain.
+    pub(in crate::spectral) fn all(f: Source) -> Self {
+        Self { borders: Vec::new(), pieces: vec![f] }
+    }
+
     /// f at a point of the domain.
     pub(in crate::spectral) fn at(&self, z: Complex) -> f64 {
         self.pieces[self.region(z)].at(z.coordinates())
@@ -101,6 +105,11 @@ pub(in crate::spectral) fn regions(
     pieces: Vec<Source>,
     frame: Frame,
 ) -> Result<Regions, PlaneError> {
+    let mut in_use = mesh.regions().iter().map(|&region| &pieces[usize::from(region)]);
+    let one = in_use.next().expect("a mesh has a cell");
+    if in_use.all(|f| f == one) {
+        return Ok(Regions::all(one.clone()));
+    }
     // Regions with the same f are one.
     let first = pieces.iter().map(|f| pieces.iter().position(|other| other == f));
     let first: Vec<usize> = first.map(|first| first.expect("f is itself")).collect();

@@ -51,15 +51,11 @@ impl Fit {
     /// Expansions at all ends that may move.
     pub(in crate::spectral) fn ends(&self) -> Vec<EndExpansion> {
         let mut ends = Vec::new();
-        let mut start = 0;
-        for family in &self.functions.families {
-            let many = family.powers.len();
-            let own = &self.coefficients[start..start + many * family.lengths.len()];
-            start += many * family.lengths.len();
+        for (family, own) in self.families() {
             let Some(split) = family.split else { continue };
             let Some((arc, which)) = self.walk.splits[split].end else { continue };
             let (mut b0, mut b1, mut size) = (Complex::default(), Complex::default(), 0.0);
-            for (c, d) in own.chunks_exact(many).zip(&family.lengths) {
+            for (c, d) in own.chunks_exact(family.powers.len()).zip(&family.lengths) {
                 let root = 1.0 / d.sqrt();
                 b0 = b0 + c[0].scaled(root);
                 b1 = b1 + (c[2] - c[0].scaled(0.5)).scaled(root / d);

@@ -301,12 +301,12 @@ mod tests {
     use crate::problem::law::Law;
     use crate::spectral::geometry::polygons::square;
     use crate::spectral::problem::PlaneProblem;
-    use crate::spectral::source::PlaneSource;
+    use crate::spectral::source::{PlaneSource, Regions};
 
     /// Unit square in contact, with friction and f = -1.
     fn square_with_friction() -> Setup {
         let domain = square();
-        let source = PlaneSource::Pieces("else=-1".parse().unwrap());
+        let source = PlaneSource::Pieces(Regions::all("else=-1".parse().unwrap()));
         let law = Law::friction(1.0).unwrap();
         Setup::new(&PlaneProblem { domain, law, source }).unwrap()
     }

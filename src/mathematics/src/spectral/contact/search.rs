@@ -25,23 +25,16 @@ pub(in crate::spectral) struct PlaneFound {
 const STEPS: usize = 30;
 /// Corrections of the contact set on a level.
 const CORRECTIONS: usize = 8;
-/// Points of a panel for signs, and for integrals.
+/// Points of a panel for signs alone, and for integrals.
 const POINTS: [usize; 2] = [8, 16];
 
-/// Fit whose signs are all right.
-struct RightFit {
-    fit: Fit,
-    nodes: Vec<PlaneNode>,
-    sizes: Sizes,
-    signs: PlaneSigns,
-}
-
-impl RightFit {
-    /// Finds the contact set on a level, with so many points of a panel for signs.
+impl PlaneFound {
+    /// Finds the contact set on a level, with so many points of a panel for signs and integrals: a fit whose signs are
+    /// all right.
     fn on(
         setup: &Setup,
         contact: &mut Vec<RingContact>,
-        level: &Level,
+        level: Level,
         effort: &mut Effort,
         points: usize,
     ) -> Result<Self, PlaneError> {
@@ -51,7 +44,7 @@ impl RightFit {
             if effort.steps > most {
                 break;
             }
-            let fit = settle(setup, contact, level, effort).ok_or_else(|| {
+            let fit = settle(setup, contact, &level, effort).ok_or_else(|| {
                 let text = "the ends of the arcs that stick were not found: Newton's method did not settle";
                 PlaneError::NotFound(text.into())
             })?;
@@ -59,31 +52,18 @@ impl RightFit {
                 break;
             }
             tried.push(contact.clone());
-            let nodes = boundary_nodes(setup, &fit, level, points);
+            let nodes = boundary_nodes(setup, &fit, &level, points);
             let sizes = Sizes::new(setup, &nodes);
             let signs =
                 PlaneSigns::new(setup, contact, &nodes, sizes, 2.0 * level.noise * setup.perimeter);
-            match signs.mended {
-                Some(mended) => *contact = mended,
-                None => return Ok(Self { fit, nodes, sizes, signs }),
+            if let Some(mended) = signs.mended {
+                *contact = mended;
+                continue;
             }
+            let (contact, steps) = (contact.clone(), effort.steps);
+            return Ok(Self { contact, fit, nodes, sizes, signs, steps, level });
         }
         Err(PlaneError::NotFound("no contact set with all signs right was found".into()))
-    }
-}
-
-impl PlaneFound {
-    /// Finds the contact set on a level.
-    fn on(
-        setup: &Setup,
-        contact: &mut Vec<RingContact>,
-        level: Level,
-        effort: &mut Effort,
-    ) -> Result<Self, PlaneError> {
-        let found = RightFit::on(setup, contact, &level, effort, POINTS[1])?;
-        let RightFit { fit, nodes, sizes, signs } = found;
-        let (contact, steps) = (contact.clone(), effort.steps);
-        Ok(Self { contact, fit, nodes, sizes, signs, steps, level })
     }
 
     /// Solution of the finest level from this one's contact set, unless this is it; none if that is not found there.
@@ -93,7 +73,8 @@ impl PlaneFound {
             return None;
         }
         let mut contact = self.contact.clone();
-        let found = Self::on(setup, &mut contact, finest, &mut Effort::default()).ok()?;
+        let found =
+            Self::on(setup, &mut contact, finest, &mut Effort::default(), POINTS[1]).ok()?;
         let steps = self.steps + found.steps;
         (found.errors() < ACCEPTED).then_some(Self { steps, ..found })
     }
@@ -143,13 +124,13 @@ pub(in crate::spectral) fn search(
 ) -> Result<PlaneFound, PlaneError> {
     let mut contact = started(setup, start);
     let first = contact.clone();
-    if RightFit::on(setup, &mut contact, &Level::COARSE, effort, POINTS[0]).is_err() {
+    if PlaneFound::on(setup, &mut contact, Level::COARSE, effort, POINTS[0]).is_err() {
         // What is not found on a coarse level may be on a fine one.
         contact = first;
     }
     let (mut best, mut refusal) = (None, None);
     for level in Level::FINE {
-        match PlaneFound::on(setup, &mut contact, level, effort) {
+        match PlaneFound::on(setup, &mut contact, level, effort, POINTS[1]) {
             Ok(found) => {
                 let better =
                     best.as_ref().is_none_or(|best: &PlaneFound| found.errors() < best.errors());

@@ -121,7 +121,7 @@ pub(in crate::spectral) struct Walk {
 }
 
 /// Distance from another split, in perimeters, below which an end of contact or a crossing is joined with it. What f is
-/// between both counts in the integrals all the same: see [`energy`].
+/// between both counts in the integrals all the same: see `BoundedEnergy::add_joined`.
 const TOGETHER: f64 = 1e-10;
 
 impl Walk {

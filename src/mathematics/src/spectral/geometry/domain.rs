@@ -3,7 +3,7 @@
 use super::curve::{Arc, Curve, SAME};
 use super::frame::Frame;
 use super::ring::PlaneRing;
-use crate::mesh::Names;
+use crate::mesh::{Names, Round};
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::spectral::complex::distance;
@@ -20,15 +20,6 @@ pub(crate) struct PlaneSide {
     pub is_after_bend: bool,
 }
 
-/// Circle of a side.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PlaneCircle {
-    /// Centre.
-    pub centre: [f64; 2],
-    /// Radius.
-    pub radius: f64,
-}
-
 impl PlaneSide {
     /// Segment between two points, in walking order.
     pub(crate) fn segment([from, to]: [[f64; 2]; 2], law: Law, part: usize) -> Self {
@@ -41,8 +32,8 @@ impl PlaneSide {
     }
 
     /// Arc of a circle between two angles, anticlockwise if they rise; a full circle is one side.
-    pub(crate) fn arc(circle: PlaneCircle, [from, to]: [f64; 2], law: Law, part: usize) -> Self {
-        let PlaneCircle { centre: [x, y], radius } = circle;
+    pub(crate) fn arc(circle: Round<2>, [from, to]: [f64; 2], law: Law, part: usize) -> Self {
+        let Round { centre: [x, y], radius, .. } = circle;
         let normal = Complex::unit(from);
         let origin = Complex::new(x, y) + normal.scaled(radius);
         let curve = Curve { origin, tangent: normal.turned(), curvature: 1.0 / radius };

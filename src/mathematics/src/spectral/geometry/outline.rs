@@ -5,7 +5,7 @@ use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::spectral::complex::{arg, distance};
 use crate::spectral::geometry::curve::Curve;
-use crate::spectral::geometry::domain::{PlaneCircle, PlaneError, PlaneSide};
+use crate::spectral::geometry::domain::{PlaneError, PlaneSide};
 use crate::spectral::geometry::frame::Frame;
 use std::f64::consts::TAU;
 
@@ -55,7 +55,7 @@ pub(in crate::spectral) fn outline(
 /// Edge of a curve, but for its ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::spectral) struct OutlineEdge {
-    /// PlaneCircle on which it lies; none if it is straight.
+    /// Circle on which it lies; none if it is straight.
     pub circle: Option<Round<2>>,
     /// Law on the boundary.
     pub law: Law,
@@ -218,9 +218,9 @@ impl MeshOutline {
     /// Arc from one node to another, whose places are given.
     fn arc(&self, circle: Round<2>, [from, to]: [usize; 2], ends: [Complex; 2]) -> PlaneSide {
         let (OutlineEdge { law, part, .. }, many) = (self.edges[from], self.edges.len());
-        let Round { centre, radius, .. } = circle;
         let between = (from + 1..to).map(|k| self.points[k % many]);
-        let middle = Complex::new(centre[0], centre[1]);
+        let [x, y] = circle.centre;
+        let middle = Complex::new(x, y);
         let (mut turn, mut before) = (0.0, ends[0] - middle);
         for node in between.chain([ends[1]]) {
             turn += arg(before.conj() * (node - middle));
@@ -230,10 +230,10 @@ impl MeshOutline {
             turn = TAU.copysign(turn);
         }
         let start = arg(ends[0] - middle);
-        PlaneSide::arc(PlaneCircle { centre, radius }, [start, start + turn], law, part)
+        PlaneSide::arc(circle, [start, start + turn], law, part)
     }
 
-    /// PlaneCircle on which all nodes lie, as `curve` wants it for a part; none if there is none.
+    /// Circle on which all nodes lie, as `curve` wants it for a part; none if there is none.
     fn circle_in_words(&self, part: &str) -> Option<String> {
         /// Distance of nodes from the circle, in radii.
         const ON_CIRCLE: f64 = 1e-4;
@@ -255,7 +255,7 @@ fn short(value: f64) -> f64 {
     if (rounded - value).abs() < 1e-9 { rounded + 0.0 } else { value }
 }
 
-/// PlaneCircle through three points; none through points of a line.
+/// Circle through three points; none through points of a line.
 fn circle_through([a, b, c]: [Complex; 3]) -> Option<Round<2>> {
     let (u, v) = (b - a, c - a);
     let twice = 2.0 * u.cross(v);

@@ -1,7 +1,8 @@
 //! Loops of sides and domains for tests.
 
-use super::domain::{PlaneCircle, PlaneDomain, PlaneError, PlaneSide};
+use super::domain::{PlaneDomain, PlaneError, PlaneSide};
 use super::frame::Frame;
+use crate::mesh::Round;
 use crate::problem::law::Law;
 use std::f64::consts::PI;
 
@@ -15,7 +16,7 @@ impl PlaneDomain {
 /// Full circle round the origin.
 pub(in crate::spectral) fn circle(radius: f64, law: Law, is_outer: bool) -> Vec<PlaneSide> {
     let angles = if is_outer { [0.0, 2.0 * PI] } else { [2.0 * PI, 0.0] };
-    let own = PlaneCircle { centre: [0.0; 2], radius };
+    let own = Round::sphere([0.0; 2], radius);
     vec![PlaneSide::arc(own, angles, law, usize::from(!is_outer))]
 }
 

@@ -3,9 +3,10 @@
 pub(super) mod known;
 pub(super) mod spoilt;
 
+use crate::mesh::Round;
 use crate::problem::formula::Formula;
 use crate::problem::law::Law;
-use crate::spectral::geometry::domain::{PlaneCircle, PlaneDomain, PlaneSide};
+use crate::spectral::geometry::domain::{PlaneDomain, PlaneSide};
 use crate::spectral::geometry::ring::RingContact;
 use crate::spectral::source::PlaneSource;
 use crate::spectral::source::polynomial::Polynomial;
@@ -94,7 +95,7 @@ fn discs() -> Vec<BenchProblem> {
 fn split_discs() -> Vec<BenchProblem> {
     let mut all = Vec::new();
     // Flux 1 of a law that ends there: a part may as well slip.
-    let unit = PlaneCircle { centre: [0.0; 2], radius: 1.0 };
+    let unit = Round::sphere([0.0; 2], 1.0);
     let parts = vec![
         PlaneSide::arc(unit, [0.0, PI], Law::FIXED, 0),
         PlaneSide::arc(unit, [PI, 2.0 * PI], Law::SIGNORINI, 1),

@@ -52,31 +52,14 @@ pub(super) struct Surroundings {
     pub reach: f64,
 }
 
-/// Curve, seen from one of its ends.
-#[derive(Clone, Copy)]
-pub(super) enum Track<'a> {
-    /// Interval of the boundary, from its start (0) or its end (1).
-    Interval(&'a Walk, usize, usize),
-    /// Curve from a place on it, in (1) or against (-1) its direction.
-    Curve(Curve, f64, f64),
-}
-
-impl Track<'_> {
-    /// Point by the distance from the end.
-    fn at(self, s: f64) -> Complex {
-        match self {
-            Self::Interval(walk, interval, side) => walk.spot(interval, side, s, 0.0).z,
-            Self::Curve(curve, from, way) => curve.at(from + way * s),
-        }
-    }
-}
-
 /// Half of a piece of a curve, seen from one of its ends.
 #[derive(Clone, Copy)]
 pub(super) struct CellStretch<'a> {
-    pub track: Track<'a>,
+    pub curve: Curve,
+    /// Place of the end along the curve, and 1 if the piece runs in the direction of the curve from there, else -1.
+    pub from: f64,
+    pub way: f64,
     pub singular: &'a Singular<'a>,
-    pub curvature: f64,
     pub length: f64,
     /// Longest cell.
     pub longest: f64,
@@ -99,6 +82,11 @@ pub(super) struct EllipseCell {
 }
 
 impl CellStretch<'_> {
+    /// Point by the distance from the end.
+    fn at(&self, s: f64) -> Complex {
+        self.curve.at(self.from + self.way * s)
+    }
+
     /// Cells of the stretch, on the shortest of which functions may have no bound.
     pub(super) fn cells(&self) -> Vec<EllipseCell> {
         let mut cells = Vec::new();
@@ -147,8 +135,8 @@ impl CellStretch<'_> {
 
     /// Half axis of the ellipse of a cell.
     fn axis(&self, [from, to]: [f64; 2]) -> f64 {
-        let (half, bend) = (0.5 * (to - from), self.curvature.abs());
-        let room = 0.85 * self.singular.room(self.track.at(0.5 * (from + to)), None);
+        let (half, bend) = (0.5 * (to - from), self.curve.curvature);
+        let room = 0.85 * self.singular.room(self.at(0.5 * (from + to)), None);
         let along =
             if bend == 0.0 { room } else { (libm::log1p(bend * room) / bend).min(0.5 / bend) };
         (along / half).min(AXES[1])
@@ -157,20 +145,20 @@ impl CellStretch<'_> {
     fn cut_at(&self, span: [f64; 2]) -> Option<f64> {
         let [from, to] = span;
         let length = to - from;
-        let is_long = length > self.longest || 0.5 * length * self.curvature.abs() > WIDEST;
+        let is_long = length > self.longest || 0.5 * length * self.curve.curvature > WIDEST;
         let at = if to > 4.0 * from && from > 0.0 { (from * to).sqrt() } else { 0.5 * (from + to) };
         (length > 1e-12 && (is_long || self.axis(span) < AXES[0])).then_some(at)
     }
 
     fn plain_cell(&self, span: [f64; 2]) -> EllipseCell {
         let [from, to] = span;
-        let (middle, half, bend) = (0.5 * (from + to), 0.5 * (to - from), self.curvature.abs());
+        let (middle, half, bend) = (0.5 * (from + to), 0.5 * (to - from), self.curve.curvature);
         let axis = self.axis(span);
         // Without an ellipse all errors are infinite.
         let axis = if axis < AXES[0] { 1.0 } else { axis };
         let along = axis * half;
         let radius = if bend == 0.0 { along } else { libm::expm1(bend * along) / bend };
-        let disc = Disc { centre: self.track.at(middle), radius, inner: 0.0 };
+        let disc = Disc { centre: self.at(middle), radius, inner: 0.0 };
         let distances = [middle - along, middle + along];
         EllipseCell { span, is_log: false, rho: axis + (axis * axis - 1.0).sqrt(), disc, distances }
     }

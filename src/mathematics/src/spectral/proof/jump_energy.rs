@@ -1,6 +1,6 @@
 //! The part of the energy along jumps of f, with bounds of its errors.
 
-use super::cells::{CellStretch, EllipseCell, POINTS, Singular, Surroundings, Track};
+use super::cells::{CellStretch, EllipseCell, POINTS, Singular, Surroundings};
 use super::exact_energy::BoundedEnergy;
 use super::integrals::Integrals;
 use super::moduli::{Moduli, TOUCHES, of_psi};
@@ -29,9 +29,10 @@ impl BoundedEnergy {
             // On the boundary another jump may end at the same point.
             let is_singular = vertex.is_some() || singular.room(centre, None) < TOUCHES;
             let stretch = CellStretch {
-                track: Track::Curve(curve, from, way),
+                curve,
+                from,
+                way,
                 singular: &singular,
-                curvature: curve.curvature,
                 length: half,
                 longest: 0.25 * setup.diameter,
                 near: is_singular.then_some(near),

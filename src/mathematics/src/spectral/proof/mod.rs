@@ -51,7 +51,7 @@
 //!    integrand by them, which Green's identity makes small ([`green`]). A small closed shape of f is seen from the
 //!    middle of its box ([`jump_energy`]): what is off of its borders against each other changes f there, by the jump
 //!    times |v|, and what is off of all of it counts by the gradient of what is smooth there of v. Tests:
-//!    `exact_energy::tests`, with derivatives by differences, and energies in closed form; `plane::tests::small`, with
+//!    `exact_energy::tests`, with derivatives by differences, and energies in closed form; `solution::tests::small`, with
 //!    shapes down to 1e-9 of the domain.
 //! 8. *Both ends* ([`bounds`]):
 //!    ```text
@@ -109,7 +109,7 @@ use super::setup::Setup;
 use crate::problem::complex::Complex;
 use crate::spectral::source::groups::{JumpGroup, beside_edge};
 pub(super) use bounds::{ROUNDED, bracket};
-use cells::{CellStretch, ProofCell, Singular, Surroundings, Track};
+use cells::{CellStretch, ProofCell, Singular, Surroundings};
 pub(super) use exact_energy::unproved;
 use extension::{Chord, share};
 use std::f64::consts::PI;
@@ -235,10 +235,13 @@ impl<'a> Proof<'a> {
     /// Half of an interval.
     fn stretch(&'a self, interval: usize, side: usize) -> CellStretch<'a> {
         let own = &self.fit.walk.intervals[interval];
+        let along = &self.setup.domain.rings[own.ring].sides[own.side];
+        let [way, start] = [along.way(), own.from + [0.0, own.length][side]];
         CellStretch {
-            track: Track::Interval(&self.fit.walk, interval, side),
+            curve: along.arc.curve,
+            from: along.arc.span[0] + way * start,
+            way: [way, -way][side],
             singular: &self.singular,
-            curvature: own.curvature,
             length: 0.5 * own.length,
             longest: self.setup.diameter / 10.0,
             near: self.near[interval][side],

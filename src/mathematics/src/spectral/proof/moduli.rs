@@ -68,14 +68,12 @@ fn log_modulus([least, most]: [f64; 2]) -> f64 {
 
 /// Bounds of g on a disc, without its polynomial and without the family of a split.
 pub(super) fn of_functions(fit: &Fit, disc: Disc, without: Option<usize>) -> Moduli {
-    let (mut sum, mut next) = (Moduli::default(), 0);
-    for family in &fit.functions.families {
-        let many = family.powers.len() * family.lengths.len();
-        if without.is_none() || family.split != without {
-            sum.add(family.moduli(disc, &fit.coefficients[next..next + many]));
-        }
-        next += many;
+    let mut sum = Moduli::default();
+    for (family, own) in fit.families().filter(|(own, _)| without.is_none() || own.split != without)
+    {
+        sum.add(family.moduli(disc, own));
     }
+    let mut next = fit.functions.families.iter().map(Family::many).sum();
     for (hole, log) in fit.functions.holes.iter().zip(&fit.logs) {
         sum.add(hole.moduli(disc, &fit.coefficients[next..next + hole.powers], *log));
         next += hole.powers;

@@ -40,22 +40,12 @@ impl Proof<'_> {
 
     /// Adds the bounds of the functions of a split on a cell in log r.
     fn add_own(&self, own: &ProofCell, split: Option<usize>, moduli: &mut CellModuli) {
-        let mut next = 0;
         let Disc { radius, .. } = own.cell.disc;
-        for family in &self.fit.functions.families {
-            let many = family.powers.len() * family.lengths.len();
-            let coefficients = &self.fit.coefficients[next..next + many];
-            next += many;
-            if family.split != split {
-                continue;
-            }
+        for (family, coefficients) in self.fit.families().filter(|(own, _)| own.split == split) {
             for (k, &Power { power, log: is_log }) in family.powers.iter().enumerate() {
                 let (mut value, mut slope) = (0.0, 0.0);
-                for (&d, c) in family
-                    .lengths
-                    .iter()
-                    .zip(coefficients.chunks_exact(many / family.lengths.len()))
-                {
+                let by_cuts = coefficients.chunks_exact(family.powers.len());
+                for (&d, c) in family.lengths.iter().zip(by_cuts) {
                     let least = d - radius;
                     let sizes = own.cell.distances.map(|r| (libm::log(r).abs(), r));
                     let log = sizes[0].0.max(sizes[1].0) + libm::log(least).abs() + TURNS[1] + 1.0;

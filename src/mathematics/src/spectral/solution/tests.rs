@@ -51,7 +51,7 @@ fn start(domain: &PlaneDomain, loops: &[(&[[f64; 2]], f64)]) -> PlaneStart {
 }
 
 fn pieces(f: &str) -> PlaneSource {
-    PlaneSource::Pieces(f.parse().unwrap())
+    PlaneSource::Pieces(Regions::all(f.parse().unwrap()))
 }
 
 /// Solves a problem with one loop under the paper's law; checks the bracket and the ends.
@@ -214,7 +214,7 @@ fn on_two_regions(top: f64, others: &str) -> PlaneSource {
         borders.push(RegionBorder { side, regions: regions.map(|k| (k < 9).then_some(k)) });
     }
     let pieces = ["else=3", others].map(|f| f.parse().unwrap()).to_vec();
-    PlaneSource::Regions(Regions { borders, pieces })
+    PlaneSource::Pieces(Regions { borders, pieces })
 }
 
 #[test]
@@ -308,7 +308,7 @@ fn brackets_of_spoilt_solutions_hold_and_what_is_not_proved_has_none() {
 /// Bounds of the energy of a problem all in contact, which are proved.
 fn proved(domain: PlaneDomain, f: &str) -> [f64; 2] {
     let start = start(&domain, &[(&[], 0.0)]);
-    let source = PlaneSource::Pieces(domain.frame.pieces(&f.parse().unwrap()));
+    let source = PlaneSource::Pieces(Regions::all(domain.frame.pieces(&f.parse().unwrap())));
     let problem = PlaneProblem { domain, law: Law::SIGNORINI, source };
     let found = solve(&problem, &start, &mut Effort::default()).unwrap();
     found.bracket.unwrap_or_else(|step| panic!("{f}: {step}"))

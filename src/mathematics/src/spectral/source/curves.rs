@@ -5,6 +5,7 @@
 //! for a length of two, and from there away from the domain. Where the next piece has the same jump, so does all
 //! between.
 
+use super::Regions;
 use super::changes::Changes;
 use super::potential::Potential;
 use crate::machine::extremes::two_sum;
@@ -81,18 +82,6 @@ struct CurveCut {
 type CurvePiece = CurvePart<Option<[f64; 2]>>;
 
 impl Jumps {
-    /// Jumps of constant pieces.
-    ///
-    /// # Errors
-    /// [`PlaneError::NotFound`] if there is no way out of a bay.
-    pub(in crate::spectral) fn of_pieces(
-        domain: &PlaneDomain,
-        f: &Source,
-    ) -> Result<Self, PlaneError> {
-        assert!(!f.is_smooth(), "f consists of constant pieces");
-        Self::new(domain, [f], [], |z| f.at(z.coordinates()))
-    }
-
     /// Jumps of f at the borders of the shapes of constant pieces, and of regions.
     ///
     /// All pieces of all borders between their cuts are looked at, so that every jump of f inside the domain is among
@@ -101,28 +90,27 @@ impl Jumps {
     /// # Errors
     /// [`PlaneError::NotFound`] if there is no way out of a bay, [`PlaneError::Source`] if jumps do not add up to zero
     /// where they meet.
-    pub(in crate::spectral) fn new<'a>(
+    pub(in crate::spectral) fn new(
         domain: &PlaneDomain,
-        all_pieces: impl IntoIterator<Item = &'a Source>,
-        regions: impl IntoIterator<Item = Arc>,
-        f: impl Fn(Complex) -> f64,
+        regions: &Regions,
     ) -> Result<Self, PlaneError> {
-        let sources: Vec<&Source> = all_pieces.into_iter().collect();
-        let largest = sources.iter().filter_map(|f| f.largest()).fold(0.0, f64::max);
+        let sources = &regions.pieces;
+        let largest = sources.iter().filter_map(Source::largest).fold(0.0, f64::max);
         let mut jumps =
             Self { most: 4.0 * largest, detour: domain.longest_detour(), ..Self::default() };
         for source in sources {
             let Source::Pieces { pieces, .. } = source else { continue };
             pieces.iter().for_each(|&(shape, _)| jumps.add_shape(domain, shape));
         }
-        regions.into_iter().for_each(|arc| jumps.add_region(arc));
+        let inner = regions.borders.iter().filter(|border| border.is_inside());
+        inner.for_each(|border| jumps.add_region(border.side.arc));
         for (k, curve) in jumps.curves.clone().into_iter().enumerate() {
             let cuts = jumps.cuts(domain, k);
-            let pieces = jumps.pieces(domain, k, cuts, &f);
+            let pieces = jumps.pieces(domain, k, cuts, regions);
             jumps.add(domain, curve, &pieces)?;
         }
         jumps.changes.add_joined(jumps.most, &jumps.joined);
-        jumps.check_vertices()?;
+        jumps.check_vertices(domain)?;
         Ok(jumps)
     }
 
@@ -251,7 +239,7 @@ impl Jumps {
         domain: &PlaneDomain,
         k: usize,
         (mut cuts, beside): (Vec<CurveCut>, Vec<f64>),
-        f: impl Fn(Complex) -> f64,
+        f: &Regions,
     ) -> Vec<CurvePiece> {
         let curve = self.curves[k];
         cuts.sort_by(|a, b| a.s.total_cmp(&b.s));
@@ -286,7 +274,7 @@ impl Jumps {
                 let shorter = beside.iter().filter_map(|&s| shorter_part(curve, span, s));
                 self.joined.extend(shorter.map(|length| (1.0 + self.detour) * length));
             }
-            let value = inside.then(|| self.beside(k, span).map(&f));
+            let value = inside.then(|| self.beside(k, span).map(|z| f.at(z)));
             append(&mut pieces, CurvePart { span, value });
         }
         if let Some(period) = curve.period() {
@@ -400,7 +388,7 @@ impl Jumps {
     ///
     /// # Errors
     /// [`PlaneError::Source`].
-    fn check_vertices(&self) -> Result<(), PlaneError> {
+    fn check_vertices(&self, domain: &PlaneDomain) -> Result<(), PlaneError> {
         let vertices = &self.psi.vertices;
         let mut sums = vec![[0.0; 3]; vertices.len()];
         for jump in &self.psi.jumps {
@@ -414,10 +402,9 @@ impl Jumps {
         // Half a unit for each difference of two values, and as much for the sum of the remainders.
         let is_open = |[sum, rest, sizes]: &[f64; 3]| (sum + rest).abs() > f64::EPSILON * sizes;
         let Some(v) = sums.iter().position(is_open) else { return Ok(()) };
-        let [x, y] = vertices[v].coordinates();
+        let [x, y] = domain.frame.outside(vertices[v]);
         Err(PlaneError::Source(format!(
-            "borders of f end or meet near ({x:.3}, {y:.3}), in units of the domain, closer than this solver tells \
-             apart; move one of them"
+            "borders of f end or meet near ({x:.3}, {y:.3}) closer than this solver tells apart; move one of them"
         )))
     }
 

@@ -8,8 +8,8 @@ use crate::problem::shape::Shape;
 use crate::problem::source::Source;
 use crate::spectral::geometry::boundary::PlaneCrossing;
 use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
-use crate::spectral::source::PlaneSource;
 use crate::spectral::source::curves::{JumpEdge, Jumps};
+use crate::spectral::source::{PlaneSource, Regions};
 use std::f64::consts::{PI, TAU};
 
 /// f with psi, its jumps inside of the domain, and where these meet the boundary.
@@ -44,35 +44,22 @@ impl PlaneJumps {
                 inner: 2.0 * f.moduli(f.radius)[1],
                 singular: Vec::new(),
             }),
-            PlaneSource::Pieces(f) => {
-                let jumps = Jumps::of_pieces(domain, f)?;
-                Self::of_jumps(domain, std::slice::from_ref(f), jumps, |z| f.at(z.coordinates()))
-            }
-            PlaneSource::Regions(regions) => {
-                let borders = regions.borders.iter().filter(|border| border.is_inside());
-                let arcs = borders.map(|border| border.side.arc);
-                let jumps = Jumps::new(domain, &regions.pieces, arcs, |z| regions.at(z))?;
-                Self::of_jumps(domain, &regions.pieces, jumps, |z| regions.at(z))
-            }
+            PlaneSource::Pieces(regions) => Self::of_regions(domain, regions),
         }
     }
 
-    fn of_jumps(
-        domain: &PlaneDomain,
-        all_pieces: &[Source],
-        Jumps { edges, psi: potential, changes, .. }: Jumps,
-        f: impl Fn(Complex) -> f64,
-    ) -> Result<Self, PlaneError> {
+    fn of_regions(domain: &PlaneDomain, regions: &Regions) -> Result<Self, PlaneError> {
+        let Jumps { edges, psi: potential, changes, .. } = Jumps::new(domain, regions)?;
         // All parts of the domain between jumps are beside one.
         let values: Vec<f64> = edges.iter().flat_map(|edge| edge.values).map(f64::abs).collect();
         let centres = potential.jumps.iter().filter_map(|jump| jump.arc.curve.centre());
         let singular = potential.vertices.iter().copied().chain(centres).collect();
         let crossings = edges.iter().flat_map(|edge| crossings(domain, edge)).collect();
-        let groups = groups(domain, potential, edges, f);
+        let groups = groups(domain, potential, edges, |z| regions.at(z));
         let background = groups[0].psi.parts()[0].potential.background.abs();
         let alone = if values.is_empty() { background } else { 0.0 };
         let largest = values.into_iter().fold(alone, f64::max);
-        let size = SourceSize::of(all_pieces, largest, domain.diameter(), changes.mass);
+        let size = SourceSize::of(&regions.pieces, largest, domain.diameter(), changes.mass);
         if changes.mass > LOST * (size.integral - changes.mass) {
             return Err(PlaneError::Source(
                 "f has a part that is too narrow, or too near to the boundary, for this solver, which tells 1e-12 \
@@ -197,8 +184,8 @@ mod tests {
                 "halfplane(1,0.3,0.02)=4; rect(-0.3,0.8,-0.7,0.3)=2; disc(-0.4,0,0.5)=1; else=-2",
                 "disc(0,-0.9,0.75)=1; rect(-2,-0.1,-2,2)=-3; else=2",
             ] {
-                let f = PlaneSource::Pieces(text.parse().unwrap());
-                let PlaneSource::Pieces(pieces) = &f else { panic!("pieces") };
+                let pieces: Source = text.parse().unwrap();
+                let f = PlaneSource::Pieces(Regions::all(pieces.clone()));
                 let psi = PlaneJumps::new(&domain, &f).unwrap().psi;
                 for z in domain.inner_points(25) {
                     let value = pieces.at(z.coordinates());

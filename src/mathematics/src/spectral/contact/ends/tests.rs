@@ -9,12 +9,12 @@ use crate::spectral::geometry::domain::SidePlace;
 use crate::spectral::geometry::polygons::polygon;
 use crate::spectral::geometry::ring::RingContact;
 use crate::spectral::problem::PlaneProblem;
-use crate::spectral::source::PlaneSource;
+use crate::spectral::source::{PlaneSource, Regions};
 
 /// Solution on a polygon from one arc between places of its sides.
 fn found(points: &[[f64; 2]], f: &str, arc: [(usize, f64); 2]) -> (Setup, PlaneFound) {
     let domain = polygon(points);
-    let source = PlaneSource::Pieces(f.parse().unwrap());
+    let source = PlaneSource::Pieces(Regions::all(f.parse().unwrap()));
     let setup = Setup::new(&PlaneProblem { domain, law: Law::SIGNORINI, source }).unwrap();
     let ring = &setup.domain.rings[0];
     let arc = arc

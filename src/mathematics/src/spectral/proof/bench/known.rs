@@ -1,16 +1,17 @@
 //! Problems whose energy is known in closed form, with fits of one contact set.
 
+use crate::mesh::Round;
 use crate::problem::law::Law;
 use crate::spectral::contact::search::PlaneFound;
 use crate::spectral::fit::Fit;
-use crate::spectral::geometry::domain::{PlaneCircle, PlaneDomain, PlaneSide};
+use crate::spectral::geometry::domain::{PlaneDomain, PlaneSide};
 pub(in crate::spectral::proof) use crate::spectral::geometry::polygons::{
     circle, loop_of as polygon,
 };
 use crate::spectral::geometry::ring::RingContact;
 use crate::spectral::problem::PlaneProblem;
 use crate::spectral::setup::{Level, Setup};
-use crate::spectral::source::PlaneSource;
+use crate::spectral::source::{PlaneSource, Regions};
 use std::f64::consts::{LN_2, PI};
 
 /// Problem with a contact set and the energy of its solution.
@@ -54,13 +55,13 @@ pub(in crate::spectral::proof) fn slips(flux: f64) -> RingContact {
 
 /// f constant on pieces.
 pub(in crate::spectral::proof) fn pieces(f: &str) -> PlaneSource {
-    PlaneSource::Pieces(f.parse().unwrap())
+    PlaneSource::Pieces(Regions::all(f.parse().unwrap()))
 }
 
 /// Sector of the unit disc, with free straight sides.
 pub(super) fn sector(angle: f64, arc: Law) -> Vec<PlaneSide> {
     let end = [libm::cos(angle), libm::sin(angle)];
-    let unit = PlaneCircle { centre: [0.0; 2], radius: 1.0 };
+    let unit = Round::sphere([0.0; 2], 1.0);
     vec![
         PlaneSide::segment([[0.0; 2], [1.0, 0.0]], Law::FREE, 0),
         PlaneSide::arc(unit, [0.0, angle], arc, 1),

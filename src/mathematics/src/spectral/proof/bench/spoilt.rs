@@ -52,8 +52,7 @@ impl Spoiling {
             }
             Self::OfHole(hole, log, c) => {
                 fit.logs[hole] += log;
-                let families =
-                    fit.functions.families.iter().map(|own| own.lengths.len() * own.powers.len());
+                let families = fit.functions.families.iter().map(Family::many);
                 let first: usize = families.sum::<usize>()
                     + fit.functions.holes[..hole].iter().map(|own| own.powers).sum::<usize>();
                 fit.coefficients[first] = fit.coefficients[first] + c;
@@ -72,7 +71,7 @@ impl Fit {
     /// Adds one function of a family.
     fn add(&mut self, family: Family, c: Complex) {
         let families = &mut self.functions.families;
-        let many = families.iter().map(|own| own.lengths.len() * own.powers.len()).sum();
+        let many = families.iter().map(Family::many).sum();
         families.push(family);
         self.coefficients.insert(many, c);
     }

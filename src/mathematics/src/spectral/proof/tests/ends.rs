@@ -12,12 +12,12 @@ use crate::spectral::proof::bench::known::{polygon, slips};
 use crate::spectral::proof::bench::spoilt::{Spoiling, check};
 use crate::spectral::proof::bounds::proved;
 use crate::spectral::setup::Setup;
-use crate::spectral::source::PlaneSource;
+use crate::spectral::source::{PlaneSource, Regions};
 
 /// Solution with arcs that stick, by side and place of both ends.
 fn found(loops: Vec<PlaneSide>, f: &str, arcs: &[[(usize, f64); 2]]) -> (Setup, PlaneFound) {
     let domain = PlaneDomain::new(vec![loops]).unwrap();
-    let source = PlaneSource::Pieces(f.parse().unwrap());
+    let source = PlaneSource::Pieces(Regions::all(f.parse().unwrap()));
     let setup = Setup::new(&PlaneProblem { domain, law: Law::SIGNORINI, source }).unwrap();
     let along = |(side, s)| setup.domain.rings[0].along(SidePlace { side, s });
     let arcs: Vec<[f64; 2]> = arcs.iter().map(|ends| ends.map(along)).collect();

@@ -1,13 +1,13 @@
 //! Problems in which numbers nearly agree: what a tolerance changes of f is in the bracket.
 
-use super::{PlaneSource, lshape, pieces, polygon, proved, seen_lshape};
-use crate::problem::complex::Complex;
+use super::{lshape, pieces, polygon, proved, seen_lshape};
 use crate::problem::law::Law;
-use crate::spectral::geometry::curve::{Arc, Curve};
-use crate::spectral::geometry::domain::PlaneError;
+use crate::problem::source::Source;
+use crate::spectral::geometry::domain::{PlaneError, PlaneSide};
 use crate::spectral::source::changes::Changes;
 use crate::spectral::source::curves::Jumps;
 use crate::spectral::source::jumps::PlaneJumps;
+use crate::spectral::source::{RegionBorder, Regions};
 use std::f64::consts::PI;
 
 /// The energy of a narrow shape and that of a wide one of the same weight differ by no more than their squares.
@@ -99,7 +99,7 @@ fn what_a_tolerance_changes_is_bounded() {
         ),
     ] {
         let Changes { mass, field } =
-            Jumps::of_pieces(&domain, &f.parse().unwrap()).unwrap().changes;
+            Jumps::new(&domain, &Regions::all(f.parse().unwrap())).unwrap().changes;
         assert!(mass >= least && mass < 1e-10, "{f}: {mass:e} {least:e}");
         // On the other side of the domain.
         assert!(field >= mass / (2.0 * PI * domain.diameter()), "{f}: {field:e}");
@@ -110,19 +110,19 @@ fn what_a_tolerance_changes_is_bounded() {
         assert_eq!(PlaneJumps::new(&domain, &source).is_err(), is_refused, "{value}");
     }
     let exact = "disc(-0.5,0.5,0.25)=3; halfplane(1,0,-0.5)=1; else=0".parse().unwrap();
-    assert_eq!(Jumps::of_pieces(&domain, &exact).unwrap().changes, Changes::default());
+    let exact = Jumps::new(&domain, &Regions::all(exact)).unwrap();
+    assert_eq!(exact.changes, Changes::default());
 }
 
 /// A border between two values that ends inside of the domain, or does not.
 #[test]
 fn jumps_that_do_not_add_up_are_refused() {
     let domain = lshape();
-    let curve = Curve::line(Complex::new(-0.5, 0.0), Complex::new(0.0, 1.0));
     for (to, is_refused) in [(1.0, false), (1.0 - 1e-10, false), (1.0 - 1e-8, true), (0.4, true)] {
-        let arc = Arc { curve, span: [-1.0, to], ends: [None; 2] };
-        let PlaneSource::Pieces(f) = pieces("else=4") else { panic!("pieces") };
-        let jumps = Jumps::new(&domain, [&f], [arc], |z| if z.re < -0.5 { 4.0 } else { -2.0 });
-        let refused = jumps.err();
+        let side = PlaneSide::segment([[-0.5, -1.0], [-0.5, to]], Law::FREE, 0);
+        let borders = vec![RegionBorder { side, regions: [Some(0), Some(1)] }];
+        let pieces = vec![Source::constant(4.0), Source::constant(-2.0)];
+        let refused = Jumps::new(&domain, &Regions { borders, pieces }).err();
         assert_eq!(refused.is_some(), is_refused, "{to}: {refused:?}");
         assert!(refused.is_none_or(|e| matches!(e, PlaneError::Source(_))), "{to}");
     }

@@ -196,7 +196,7 @@ fn region(corners: &[Complex], f: f64) -> PlaneSource {
     let boundary = &circle(1.0, Law::SIGNORINI, true)[0];
     borders.push(RegionBorder { side: *boundary, regions: [Some(1), None] });
     let pieces = [format!("else={f}"), "else=-1".into()].map(|f| f.parse().unwrap()).to_vec();
-    PlaneSource::Regions(Regions { borders, pieces })
+    PlaneSource::Pieces(Regions { borders, pieces })
 }
 
 #[test]
