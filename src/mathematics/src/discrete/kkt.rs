@@ -9,8 +9,8 @@ use crate::machine::simd::Largest;
 use crate::problem::law::{BoundaryState, ContactNode};
 use serde::{Deserialize, Serialize};
 
-/// Violations of the conditions: `A y = F` inside, and the [law](Law) on the boundary; for the paper's law `y >= 0` and
-/// `A y - F >= 0`, complementary.
+/// Violations of the conditions: `A y = F` inside, and the [law](crate::problem::law::Law) on the boundary; for the
+/// paper's law `y >= 0` and `A y - F >= 0`, complementary.
 ///
 /// Computed from `y` and `F` alone: the multiplier of node i is the discrete flux `(A y - F)_i / h`,
 /// whatever multiplier a solver carried along.
