@@ -137,9 +137,10 @@ fn agreement(project: &Project, tables: &[TableComparison]) -> Option<String> {
         let within = if Tables(tables).hold() { "all within" } else { "some outside" };
         text += &format!(", {within} the tolerance; `signorini diff` shows each");
     }
-    let has_scene = |number| project.scenes.iter().any(|scene| scene.paper_table == Some(number));
-    for table in project.paper.table.iter().filter(|table| !has_scene(table.number)) {
-        text += &format!("; no scene has table {}", table.number);
+    for number in project.paper.table.iter().map(|table| table.number) {
+        if !project.scenes.iter().any(|scene| scene.paper_table == Some(number)) {
+            text += &format!("; no scene has table {number}");
+        }
     }
     Some(text)
 }

@@ -124,8 +124,7 @@ impl Timings {
             ("own_mesh", &self.own_mesh),
             ("adapted", &self.adapted),
         ] {
-            let unlike = |row: &Row| !columns(row).eq(columns(&rows[0]));
-            if let Some(k) = rows.iter().position(unlike) {
+            if let Some(k) = rows.iter().position(|row| !columns(row).eq(columns(&rows[0]))) {
                 return Some(format!("[[{name}]] number {}: other columns than the first", k + 1));
             }
         }

@@ -116,8 +116,9 @@ fn made(pages: &BookParts, inputs: &Inputs) -> Made {
     give_back();
     let BookParts { problems, others, studies, notebook, left_out } = pages;
     if let Some(reason) = left_out {
-        let stubs = |templates: &_| Ok(signorini_book::stubs(templates, reason)?);
-        return book(inputs, Artifacts::new(), stubs);
+        return book(inputs, Artifacts::new(), |templates| {
+            Ok(signorini_book::stubs(templates, reason)?)
+        });
     }
     let Solutions { listed, mut files } = Solutions::of(inputs, problems, others)?;
     for picture in notebook.iter().filter_map(|cell| cell.picture.as_ref()) {

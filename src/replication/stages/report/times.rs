@@ -1,6 +1,6 @@
 //! Data of the chapter on cost, from recorded times.
 
-use crate::table::rows::{Row, Rows, number};
+use crate::table::rows::{Rows, number};
 use crate::timing::recorded::{GOALS, Timings};
 use serde_json::{Value, json};
 use signorini_mathematics::solvers::Solver;
@@ -34,8 +34,9 @@ fn rivals(timings: &Timings) -> Result<Rows, String> {
     let whole = timings.peer.wherever("whole", true)?;
     let mut rivals = whole.clone();
     rivals.0.retain(|row| {
-        let alike = |one: &&Row| ["f", "cells"].iter().all(|name| one.get(*name) == row.get(*name));
-        whole.iter().filter(alike).all(|other| number(row, "theirs") <= number(other, "theirs"))
+        let mut alike = whole.clone();
+        alike.0.retain(|one| ["f", "cells"].iter().all(|name| one.get(*name) == row.get(*name)));
+        alike.iter().all(|other| number(row, "theirs") <= number(other, "theirs"))
     });
     Ok(rivals)
 }
