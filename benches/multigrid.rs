@@ -1,4 +1,4 @@
-//! Work units, bytes and time per unknown of multigrid, in a workspace that is there:
+//! Work units and time per unknown of multigrid, in a workspace that is there:
 //!
 //! `cargo bench --bench multigrid -- [THREADS] [REPEATS] [N ...]` on all problems, beside a plain red-black sweep,
 //! and with `--f F TOLERANCE` on one, to that KKT residual over the largest load, as JSON: the solution alone, and
@@ -9,7 +9,7 @@ mod hard_loads;
 
 use signorini_mathematics::discrete::end::End;
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::kkt::kkt;
+use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::machine::memory::LargePages;
 use signorini_mathematics::multigrid::{Goal, MultigridParams};
@@ -83,7 +83,7 @@ fn one_problem(n: usize, f: &str, tolerance: f64, repeats: usize) {
         solve_square(n, Law::SIGNORINI, &load, &params).expect("a solvable problem");
         (1e9 * start.elapsed().as_secs_f64() / load.len() as f64, ())
     });
-    let kkt = kkt((grid, Law::SIGNORINI), &y, &given).relative;
+    let kkt = judge((grid, Law::SIGNORINI), &y, &given).kkt.relative;
     println!("{{\"ns\": {ns}, \"whole_ns\": {}, \"kkt\": {kkt:e}}}", whole_ns.0);
 }
 
@@ -103,7 +103,7 @@ fn paper_problems() -> Vec<(String, String)> {
 fn all_problems(sizes: &[usize], repeats: usize) {
     println!("{} thread(s), median of {repeats} runs", rayon::current_num_threads());
     println!("work units, cycles, ns per unknown for three goals:");
-    println!("{:>6} {:14} {:>6} {:?}", "1/h", "problem", "bytes", GOALS);
+    println!("{:>6} {:14} {:?}", "1/h", "problem", GOALS);
     println!("per work unit to the discretisation error, over a plain sweep: the last column");
     let paper = paper_problems();
     for &n in sizes {
@@ -117,7 +117,7 @@ fn all_problems(sizes: &[usize], repeats: usize) {
         let plain = plain_ns(n, &exact[0].1, repeats);
         println!("{n:6} plain red-black sweep: {plain:.3} ns per unknown, one thread");
         for (name, load) in exact.into_iter().chain(others) {
-            print!("{n:6} {name:14} {:6.1}", workspace.bytes() as f64 / load.len() as f64);
+            print!("{n:6} {name:14}");
             let runs = GOALS.map(|goal| time(&mut workspace, &load, goal, repeats));
             for (ns, outcome) in runs {
                 print!("  {:5.1} {:2} {ns:5.1}", outcome.work_units, outcome.iterations);

@@ -8,7 +8,6 @@ use signorini_mathematics::discrete::contact::ContactArc;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
-use signorini_mathematics::discrete::stiffness::energy as discrete_energy;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{arcs, square_boundary};
 use signorini_mathematics::multigrid::{Goal, MultigridParams};
@@ -16,7 +15,7 @@ use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::problem::unsolvable::Unsolvable;
-use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
+use signorini_mathematics::saddle::{Pair, Params, StopRule, solve};
 use signorini_mathematics::solvers::Refusal;
 use signorini_mathematics::spectral::TrueSolution;
 use signorini_mathematics::square::bounds::bounds;
@@ -92,7 +91,7 @@ fn least_margin(f: &Source, cells: usize) -> f64 {
         for max_iterations in [1, 10, 100] {
             let params = Params { max_iterations, rule: StopRule::Printed, ..Params::default() };
             let mut pair = Pair::zero((grid, Law::SIGNORINI));
-            arrow_hurwicz((grid, Law::SIGNORINI), &load, &params, &mut pair);
+            solve((grid, Law::SIGNORINI), &load, &params, &mut pair);
             judge(&(rule, max_iterations), &pair.y);
         }
     }
@@ -187,7 +186,7 @@ fn the_bound_of_the_error_is_effective() {
             let (grid, y) = solved(n, &f, LoadRule::Bilinear {}, Goal::RoundingFloor);
             // With the exact load the energy of the discrete problem is that of v, and the reactions of the
             // true solution do hardly any work on v.
-            let ours = discrete_energy(grid, &y, &load(grid, &f, EXACT));
+            let ours = judge((grid, Law::SIGNORINI), &y, &load(grid, &f, EXACT)).energy;
             let error = (2.0 * (ours - energy)).sqrt();
             let Bounds { error: [least, most], recovered, .. } =
                 bounds(grid, &f, Law::SIGNORINI, &y).unwrap();
@@ -246,7 +245,7 @@ fn the_bound_is_effective_where_the_load_hides_the_reaction() {
     assert_eq!(grid.boundary().filter(|&node| y[node] == 0.0).count(), 1);
     let Bounds { energy: [low, high], error: [_, most], .. } =
         bounds(grid, &f, Law::SIGNORINI, &y).unwrap();
-    let ours = discrete_energy(grid, &y, &load(grid, &f, EXACT));
+    let ours = judge((grid, Law::SIGNORINI), &y, &load(grid, &f, EXACT)).energy;
     let error = (2.0 * (ours - energy)).sqrt();
     assert!(low <= energy && energy <= high && high - low < 1e-4, "{low} {high}");
     assert!(error <= most && most < 1.01 * error, "{most} {error}");

@@ -12,9 +12,9 @@ use signorini::pipeline::hash;
 use signorini::replication::scene::Scene;
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::LoadRule;
-use signorini_mathematics::discrete::transfer::Prolongation;
+use signorini_mathematics::discrete::nested::DiscreteLevels;
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::saddle::{NestedGrids, Pair, Params, StopRule, solve_nested};
+use signorini_mathematics::saddle::{Pair, Params, StopRule, solve_nested};
 use signorini_mathematics::square::load::load;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -83,11 +83,7 @@ fn the_page_gives_the_published_counts_and_the_last_bit() {
         for (row, &r) in scene.r().iter().enumerate() {
             let params = Params { r, rule: StopRule::Signed, ..Params::default() };
             let (outcomes, _) = solve_nested(
-                &NestedGrids {
-                    grids: &grids,
-                    law: Law::SIGNORINI,
-                    prolongation: scene.saddle().prolongation,
-                },
+                DiscreteLevels::Grids(&grids, Law::SIGNORINI),
                 &loads,
                 &params,
                 &mut (),
@@ -133,7 +129,7 @@ const answer = JSON.stringify(texts.map((f) => {
         let after = |grids: &[Grid], max_iterations| {
             let params = params(max_iterations);
             let (_, pair) = solve_nested(
-                &NestedGrids { grids, law: Law::SIGNORINI, prolongation: Prolongation::default() },
+                DiscreteLevels::Grids(grids, Law::SIGNORINI),
                 &loads[..grids.len()],
                 &params,
                 &mut (),

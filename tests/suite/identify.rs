@@ -3,9 +3,10 @@
 use crate::common::{config, this_project};
 use proptest::prelude::*;
 use signorini_mathematics::discrete::grid::nested;
+use signorini_mathematics::discrete::nested::DiscreteLevels;
 use signorini_mathematics::identify::*;
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::saddle::{NestedGrids, Params, StopRule, solve_nested};
+use signorini_mathematics::saddle::{Params, StopRule, solve_nested};
 use signorini_mathematics::square::load::load;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -35,12 +36,8 @@ fn literal(values: &[f64], measure: Measure, levels: usize) -> Table {
     let mut table = Table { counts: Vec::new(), delta_a: Vec::new() };
     for r in R {
         let params = Params { r, rule, max_iterations: 5000, ..Params::default() };
-        let (outcomes, _) = solve_nested(
-            &NestedGrids { grids: &grids, law: Law::SIGNORINI, prolongation: variant.prolongation },
-            &loads,
-            &params,
-            &mut (),
-        );
+        let (outcomes, _) =
+            solve_nested(DiscreteLevels::Grids(&grids, Law::SIGNORINI), &loads, &params, &mut ());
         table.counts.push(outcomes.iter().map(|o| Some(o.end.iterations)).collect());
         table.delta_a.push(outcomes[levels - 1].end.change());
     }

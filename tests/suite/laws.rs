@@ -6,9 +6,8 @@ use signorini_mathematics::discrete::end::{End, Stop};
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::load::LoadRule;
-use signorini_mathematics::discrete::nested::NestedNetwork;
+use signorini_mathematics::discrete::nested::{DiscreteLevels, NestedNetwork};
 use signorini_mathematics::discrete::network::Network;
-use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::mesh::gmsh::read;
 use signorini_mathematics::mesh::{AnyMesh, refined};
 use signorini_mathematics::multigrid::active_set::active_set;
@@ -16,7 +15,7 @@ use signorini_mathematics::multigrid::{InputError, MultigridParams};
 use signorini_mathematics::multilevel::solve_nested_networks;
 use signorini_mathematics::problem::law::{BoundaryState, Law};
 use signorini_mathematics::problem::source::Source;
-use signorini_mathematics::saddle::{NestedGrids, Pair, Params, StopRule, solve, solve_nested};
+use signorini_mathematics::saddle::{Pair, Params, StopRule, solve, solve_nested};
 use signorini_mathematics::square::load::load;
 use signorini_mathematics::square::multigrid::solve_square;
 
@@ -211,16 +210,8 @@ fn the_papers_method_with_friction_has_the_counts_of_another_program() {
         let f = problem.source();
         let loads: Vec<_> = grids.iter().map(|&grid| averaged(grid, &f)).collect();
         let params = Params { r: 1e6, rule: StopRule::Printed, ..Params::default() };
-        let (outcomes, _) = solve_nested(
-            &NestedGrids {
-                grids: &grids,
-                law: problem.law(),
-                prolongation: Prolongation::default(),
-            },
-            &loads,
-            &params,
-            &mut (),
-        );
+        let (outcomes, _) =
+            solve_nested(DiscreteLevels::Grids(&grids, problem.law()), &loads, &params, &mut ());
         let counts: Vec<_> = outcomes.iter().map(|outcome| outcome.end.iterations).collect();
         assert_eq!(counts, expected, "{problem:?}");
     }

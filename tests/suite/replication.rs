@@ -6,12 +6,12 @@ use signorini::replication::paper::Paper;
 use signorini::replication::scene::Scene;
 use signorini_mathematics::discrete::end::{Outcome, Stop};
 use signorini_mathematics::discrete::grid::{Grid, nested};
+use signorini_mathematics::discrete::nested::DiscreteLevels;
 use signorini_mathematics::discrete::network::Network;
 use signorini_mathematics::problem::exact::Exact;
 use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{
-    Iteration, Monitor, NestedGrids, Pair, Params, StopRule, arrow_hurwicz, run_nested, solve,
-    solve_nested, tolerance,
+    Iteration, Monitor, Pair, Params, StopRule, solve, solve_nested, tolerance,
 };
 use signorini_mathematics::square::errors::errors;
 use signorini_mathematics::square::load::load;
@@ -22,11 +22,7 @@ fn rows(scene: &Scene, rule: StopRule) -> Vec<Row> {
     let row = |&r: &f64| {
         let params = Params { r, rule, max_iterations: 100_000, ..Params::default() };
         let (outcomes, _) = solve_nested(
-            &NestedGrids {
-                grids: &scene.grids(),
-                law: Law::SIGNORINI,
-                prolongation: scene.saddle().prolongation,
-            },
+            DiscreteLevels::Grids(&scene.grids(), Law::SIGNORINI),
             &loads,
             &params,
             &mut (),
@@ -70,24 +66,24 @@ fn the_definition_gives_every_count_and_iterate_of_the_tables_to_the_last_bit() 
         let grids = &scene.grids()[..];
         let loads = grids.iter().map(load).collect::<Vec<_>>();
         let params = Params { r, rule, max_iterations: CAP, ..Params::default() };
-        let levels =
-            NestedGrids { grids, law: Law::SIGNORINI, prolongation: scene.saddle().prolongation };
-        let (made, made_pair) = solve_nested(&levels, &loads, &params, &mut ());
-        let (mut pair, mut defined) = (vec![Pair::zero((grids[0], Law::SIGNORINI))], Vec::new());
-        run_nested(&levels, &mut pair, |k, pair: &mut Vec<Pair>| {
+        let levels = DiscreteLevels::Grids(grids, Law::SIGNORINI);
+        let (made, made_pair) = solve_nested(levels, &loads, &params, &mut ());
+        let (mut pair, mut defined) = (Pair::zero((grids[0], Law::SIGNORINI)), Vec::new());
+        for k in 0..grids.len() {
+            if k > 0 {
+                pair = pair.interpolated(levels, k, params.prolongation);
+            }
             let network = Network::of_square(grids[k], Law::SIGNORINI);
             let params = Params { tolerance: tolerance(k + 1), ..params };
-            defined.push(solve(&network, &loads[k], &params, &mut pair[0]));
-            Ok::<(), ()>(())
-        })
-        .unwrap();
+            defined.push(solve(&network, &loads[k], &params, &mut pair));
+        }
         let ends = |outcomes: &[Outcome]| -> Vec<_> {
             outcomes.iter().map(|end| (end.end.iterations, end.end.stop, end.end.delta_a)).collect()
         };
         assert_eq!(ends(&defined), ends(&made), "{name} {rule} r = {r}");
         let bits =
             |pair: &Pair| pair.y.iter().chain(&pair.a).map(|v| v.to_bits()).collect::<Vec<_>>();
-        assert!(bits(&pair[0]) == bits(&made_pair), "{name} {rule} r = {r}");
+        assert!(bits(&pair) == bits(&made_pair), "{name} {rule} r = {r}");
     }
 }
 
@@ -149,7 +145,7 @@ fn errors_fall_with_the_square_of_the_width_when_iterated_to_the_end() {
         let params =
             Params { r: 10.0, tolerance: 1e-11, rule: StopRule::Printed, ..Params::default() };
         let mut pair = Pair::zero((grid, Law::SIGNORINI));
-        let outcome = arrow_hurwicz(
+        let outcome = solve(
             (grid, Law::SIGNORINI),
             &load(grid, &scene.source(), scene.load()),
             &params,
@@ -176,16 +172,7 @@ fn stopping_by_ten_to_the_minus_n_spoils_that_order() {
         grids.iter().map(|&grid| load(grid, &scene.source(), scene.load())).collect();
     let params = Params { r: 10.0, rule: StopRule::Printed, ..Params::default() };
     let mut errors = ErrorsOnGrids { exact, grids: &grids, largest: Vec::new() };
-    solve_nested(
-        &NestedGrids {
-            grids: &grids,
-            law: Law::SIGNORINI,
-            prolongation: scene.saddle().prolongation,
-        },
-        &loads,
-        &params,
-        &mut errors,
-    );
+    solve_nested(DiscreteLevels::Grids(&grids, Law::SIGNORINI), &loads, &params, &mut errors);
     let order = (errors.largest[3] / errors.largest[4]).log2();
     assert!(order < 1.7, "order {order} of {:?}", errors.largest);
 }

@@ -1,7 +1,8 @@
 //! Limits that every solver must keep, and comparisons of solutions.
 
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::stiffness::energy;
+use signorini_mathematics::discrete::kkt::judge;
+use signorini_mathematics::problem::law::Law;
 
 /// Most work units in which multigrid reaches the discretisation error, a residual of 1e-10 and the rounding floor on
 /// the square, for the paper's problems and smooth loads, on grids from 1/64 on. Residuals and transfers count as well.
@@ -14,8 +15,6 @@ pub(crate) const NETWORK_WORK_UNITS: [f64; 3] = [24.0, 120.0, 200.0];
 pub(crate) const TEXTBOOK: f64 = 10.0;
 /// Algebraic over discretisation error at the first goal.
 pub(crate) const ALGEBRAIC: f64 = 0.1;
-/// Bytes of a workspace per unknown.
-pub(crate) const BYTES: f64 = 24.0;
 
 /// What comes out on so many threads.
 pub(crate) fn on_threads<T: Send>(threads: usize, compute: impl FnOnce() -> T + Send) -> T {
@@ -41,5 +40,5 @@ pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
 pub(crate) fn distance_in_h1(grid: Grid, a: &[f64], b: &[f64]) -> f64 {
     let difference: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
     // Without a load the energy is half of the square of the seminorm.
-    (2.0 * energy(grid, &difference, &vec![0.0; difference.len()])).sqrt()
+    (2.0 * judge((grid, Law::SIGNORINI), &difference, &vec![0.0; difference.len()]).energy).sqrt()
 }

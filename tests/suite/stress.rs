@@ -4,10 +4,10 @@ use crate::common::config;
 use proptest::prelude::*;
 use signorini_mathematics::discrete::end::Stop;
 use signorini_mathematics::discrete::grid::Grid;
-use signorini_mathematics::discrete::kkt::kkt;
+use signorini_mathematics::discrete::kkt::judge;
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
+use signorini_mathematics::saddle::{Pair, Params, StopRule, solve};
 use signorini_mathematics::square::load::load;
 
 #[test]
@@ -19,7 +19,7 @@ fn what_is_not_a_number_is_never_a_result() {
             let params = Params { rule, max_iterations: 1000, ..Params::default() };
             let mut poisoned = good.clone();
             poisoned[40] = bad;
-            let outcome = arrow_hurwicz(
+            let outcome = solve(
                 (grid, Law::SIGNORINI),
                 &poisoned,
                 &params,
@@ -28,7 +28,7 @@ fn what_is_not_a_number_is_never_a_result() {
             assert_eq!(outcome.end.stop, Stop::Diverged, "load {bad} {rule}");
             let mut pair = Pair::zero((grid, Law::SIGNORINI));
             pair.a[3] = bad;
-            let outcome = arrow_hurwicz((grid, Law::SIGNORINI), &good, &params, &mut pair);
+            let outcome = solve((grid, Law::SIGNORINI), &good, &params, &mut pair);
             let finite = pair.y.iter().chain(&pair.a).all(|v| v.is_finite());
             assert!(finite || outcome.end.stop == Stop::Diverged, "a {bad} {rule}");
         }
@@ -57,8 +57,8 @@ proptest! {
         let tolerance = 10f64.powf(relative_exponent) * largest;
         let params = Params { r, tolerance, rule: StopRule::PrintedDual, max_iterations: 3000, ..Params::default() };
         let mut pair = Pair { y: vec![start * largest; grid.nodes()], ..Pair::zero((grid, Law::SIGNORINI)) };
-        let outcome = arrow_hurwicz((grid, Law::SIGNORINI), &load, &params, &mut pair);
-        let natural = kkt((grid, Law::SIGNORINI), &pair.y, &load).natural;
+        let outcome = solve((grid, Law::SIGNORINI), &load, &params, &mut pair);
+        let natural = judge((grid, Law::SIGNORINI), &pair.y, &load).kkt.natural;
         prop_assert!(natural.is_finite());
         if outcome.end.stop == Stop::Converged {
             let bound = tolerance * (1.0 / r).max(1.0);

@@ -5,7 +5,7 @@ use signorini_mathematics::discrete::end::Stop;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::AnyMesh;
 use signorini_mathematics::problem::law::Law;
-use signorini_mathematics::saddle::{Pair, Params, StopRule, arrow_hurwicz};
+use signorini_mathematics::saddle::{self, Pair, Params, StopRule};
 use signorini_mathematics::solvers::{Run, Settings, Solver, solve};
 
 fn solved(problem: &Problem, solver: Solver) -> Run {
@@ -85,7 +85,7 @@ fn the_papers_method_on_the_cube_ends_at_the_solution() {
     let params =
         Params { r: 10.0, tolerance: 1e-12, rule: StopRule::PrintedDual, ..Params::default() };
     let mut pair = Pair::zero(network);
-    let run = arrow_hurwicz(network, problem.load(), &params, &mut pair);
+    let run = saddle::solve(network, problem.load(), &params, &mut pair);
     assert_eq!(run.end.stop, Stop::Converged);
     let apart = y.iter().zip(&pair.y).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
     assert!(apart < 1e-8, "{apart:e}");

@@ -78,14 +78,13 @@ struct SampledPart<const V: usize> {
     corners: [[f64; V]; V],
     /// Volume over that of the cell.
     fraction: f64,
-    shares: [f64; V],
-    mean: f64,
-    variance: f64,
-    size: f64,
-    /// Difference of the formulas times `fraction`.
-    difference: f64,
-    /// `difference` over the power of `fraction`.
-    weighted: f64,
+    /// Integrals; the shares and the differences are times `fraction`.
+    of: SampledCell<V>,
+}
+
+impl<const V: usize> SampledCell<V> {
+    const ZERO: Self =
+        Self { shares: [0.0; V], mean: 0.0, variance: 0.0, size: 0.0, difference: 0.0, worst: 0.0 };
 }
 
 impl<const V: usize> Default for Sampler<V> {
@@ -124,8 +123,8 @@ impl<const V: usize> Sampler<V> {
         let mut open = Vec::new();
         if settling.least_parts < 2 {
             let whole = self.part(cell, whole, 1.0)?;
-            if whole.weighted <= settling.tolerance {
-                return Ok(whole.cell());
+            if whole.of.worst <= settling.tolerance {
+                return Ok(whole.of);
             }
             open.push(whole);
         } else {
@@ -138,18 +137,19 @@ impl<const V: usize> Sampler<V> {
                 open.push(self.part(cell, corners, fraction)?);
             }
         }
-        let (mut sum, mut parts) = (SampledPart::default(), open.len());
+        let mut sum = SampledPart { corners: whole, fraction: 0.0, of: SampledCell::ZERO };
+        let mut parts = open.len();
         loop {
-            let is_settled = |part: &SampledPart<V>| part.weighted <= settling.tolerance;
+            let is_settled = |part: &SampledPart<V>| part.of.worst <= settling.tolerance;
             open.iter().filter(|part| is_settled(part)).for_each(|part| sum.add(part));
             open.retain(|part| !is_settled(part));
             let room = settling.most_parts.saturating_sub(parts);
             if open.len() > room {
-                open.sort_by(|p, q| q.weighted.total_cmp(&p.weighted));
+                open.sort_by(|p, q| q.of.worst.total_cmp(&p.of.worst));
                 open.drain(room..).for_each(|part| sum.add(&part));
             }
             if open.is_empty() {
-                return Ok(sum.cell());
+                return Ok(sum.of);
             }
             parts += open.len();
             open = self.halved(cell, &open)?;
@@ -178,7 +178,7 @@ impl<const V: usize> Sampler<V> {
         corners: [[f64; V]; V],
         fraction: f64,
     ) -> Result<SampledPart<V>, BadValue<D>> {
-        let mut part = SampledPart { corners, fraction, ..SampledPart::default() };
+        let mut part = SampledCell::ZERO;
         let mut values = [0.0; MOST_POINTS];
         let values = &mut values[..self.inner.len()];
         for (value, point) in values.iter_mut().zip(&self.inner) {
@@ -212,13 +212,13 @@ impl<const V: usize> Sampler<V> {
         let apart = part.shares.iter().zip(others).map(|(p, q)| (p - q).abs());
         part.difference = fraction * apart.fold(0.0, f64::max);
         let dimension = V as f64 - 1.0;
-        part.weighted = part.difference;
+        part.worst = part.difference;
         // The power of the whole, the most frequent part, is 1.
         if fraction < 1.0 {
-            part.weighted /= libm::pow(fraction, (dimension - 1.0) / dimension);
+            part.worst /= libm::pow(fraction, (dimension - 1.0) / dimension);
         }
         part.shares.iter_mut().for_each(|share| *share *= fraction);
-        Ok(part)
+        Ok(SampledPart { corners, fraction, of: part })
     }
 }
 
@@ -281,37 +281,16 @@ impl<const V: usize> SampledPart<V> {
     /// Adds the integrals over another part.
     fn add(&mut self, other: &Self) {
         let fraction = self.fraction + other.fraction;
-        let step = other.mean - self.mean;
-        let share = other.fraction / fraction;
-        self.variance +=
-            share * (other.variance - self.variance) + share * (1.0 - share) * step * step;
-        self.mean += share * step;
-        self.size += share * (other.size - self.size);
-        self.shares.iter_mut().zip(other.shares).for_each(|(sum, share)| *sum += share);
-        self.difference += other.difference;
-        self.weighted = self.weighted.max(other.weighted);
+        let (sum, other, share) = (&mut self.of, &other.of, other.fraction / fraction);
+        let step = other.mean - sum.mean;
+        sum.variance +=
+            share * (other.variance - sum.variance) + share * (1.0 - share) * step * step;
+        sum.mean += share * step;
+        sum.size += share * (other.size - sum.size);
+        sum.shares.iter_mut().zip(other.shares).for_each(|(sum, share)| *sum += share);
+        sum.difference += other.difference;
+        sum.worst = sum.worst.max(other.worst);
         self.fraction = fraction;
-    }
-
-    /// Integrals over the cell, if this is the sum over all parts.
-    fn cell(&self) -> SampledCell<V> {
-        let &Self { shares, mean, variance, size, difference, weighted, .. } = self;
-        SampledCell { shares, mean, variance, size, difference, worst: weighted }
-    }
-}
-
-impl<const V: usize> Default for SampledPart<V> {
-    fn default() -> Self {
-        Self {
-            corners: [[0.0; V]; V],
-            fraction: 0.0,
-            shares: [0.0; V],
-            mean: 0.0,
-            variance: 0.0,
-            size: 0.0,
-            difference: 0.0,
-            weighted: 0.0,
-        }
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::grid::Grid;
 use crate::discrete::network::Network;
-use crate::discrete::stiffness::{add_energy, residual_row};
+use crate::discrete::stiffness::residual_row;
 use crate::machine::extremes::{max_or_nan, min_or_nan, range};
 use crate::machine::simd::Largest;
 use crate::problem::law::{BoundaryState, ContactNode};
@@ -145,18 +145,40 @@ pub fn rounding(cells: usize, largest: f64) -> f64 {
 /// # Panics
 /// If a slice is not a nodal vector of the domain.
 pub fn judge<'a>(domain: impl Into<DiscreteDomain<'a>>, y: &[f64], load: &[f64]) -> Judgement {
-    judge_on(domain.into(), y, load)
-}
-
-fn judge_on(domain: DiscreteDomain<'_>, y: &[f64], load: &[f64]) -> Judgement {
+    let domain = domain.into();
     assert!(y.len() == domain.nodes() && load.len() == y.len());
-    let mut judge = Judge::default();
-    let flux = match domain {
-        DiscreteDomain::Grid(grid, _) => judge.see_grid(grid, y, load),
-        DiscreteDomain::Network(network) => judge.see_network(network, y, load),
+    let Seen { mut energy, stationarity, flux } = match domain {
+        DiscreteDomain::Grid(grid, _) => Seen::on_grid(grid, y, load),
+        DiscreteDomain::Network(network) => Seen::on_network(network, y, load),
     };
-    let (cells, contact) = (domain.width(), domain.contact().into_owned());
-    judge.judgement(JudgedValues { cells, y, contact, flux })
+    let contact = domain.contact().into_owned();
+    let (mut min_y, mut min_lambda, mut work) = (None, None, 0.0);
+    let least =
+        |known: Option<f64>, value| Some(known.map_or(value, |known| min_or_nan(known, value)));
+    let mut complementarity = Largest::default();
+    for (flux, &ContactNode { node, measure, law }) in flux.iter().zip(&contact) {
+        let potential = measure * law.potential(y[node]);
+        min_y = least(min_y, y[node]);
+        min_lambda = least(min_lambda, flux / measure);
+        complementarity.put(law.residual(y[node], *flux, measure));
+        energy += potential;
+        work += y[node] * flux + potential;
+    }
+    let mut largest = Largest::default();
+    largest.see(1.0, y);
+    largest.see(1.0, &flux);
+    let rounding = rounding(domain.width(), largest.value());
+    let of_node = |(flux, contact): (&f64, &ContactNode)| {
+        contact.law.state(y[contact.node], *flux, contact.measure, rounding)
+    };
+    let states = flux.iter().zip(&contact).map(of_node).collect();
+    let mut scale = Largest::default();
+    scale.see(1.0, load);
+    let [stationarity, complementarity] = [stationarity, complementarity].map(Largest::value);
+    let natural = max_or_nan(stationarity, complementarity);
+    let relative = if natural == 0.0 { 0.0 } else { natural / scale.value() };
+    let kkt = Kkt { stationarity, min_y, min_lambda, complementarity, natural, relative };
+    Judgement { kkt, energy, contact, flux, work, states, rounding, range: range(y) }
 }
 
 /// True if the discrete problem with this load vector has a solution: over each connected component, y = 0 at some
@@ -168,72 +190,41 @@ pub fn has_solution<'a>(domain: impl Into<DiscreteDomain<'a>>, load: &[f64]) -> 
     domain.into().components(load).into_iter().all(|component| component.check(0.0).is_ok())
 }
 
-/// Residuals of the conditions for `y`, as [`judge`] finds it.
-///
-/// # Panics
-/// If a slice is not a nodal vector of the domain.
-pub fn kkt<'a>(domain: impl Into<DiscreteDomain<'a>>, y: &[f64], load: &[f64]) -> Kkt {
-    judge(domain, y, load).kkt
-}
-
-/// A judgement that takes one row of nodes after the other into account.
-#[derive(Default)]
-struct Judge {
+/// What a judgement takes from all rows of the matrix.
+struct Seen {
+    /// Energy without the law's term.
     energy: f64,
+    /// Residuals at the nodes where the law does not hold.
     stationarity: Largest,
-    load: Largest,
-    value: Largest,
-}
-
-/// Values to be judged, with the flux at the boundary nodes.
-struct JudgedValues<'a> {
-    /// Cells per side of the grid, or as many as would give as many nodes.
-    cells: usize,
-    /// Nodal vector.
-    y: &'a [f64],
-    /// Boundary nodes where the law holds.
-    contact: Vec<ContactNode>,
-    /// `A y - F` at these nodes.
+    /// `A y - F` at the boundary nodes where it holds.
     flux: Vec<f64>,
 }
 
-impl Judge {
-    /// Takes all nodes of a grid into account, and returns `A y - F` at the boundary nodes.
-    fn see_grid(&mut self, grid: Grid, y: &[f64], load: &[f64]) -> Vec<f64> {
+impl Seen {
+    fn on_grid(grid: Grid, y: &[f64], load: &[f64]) -> Self {
         let (n, side) = (grid.cells(), grid.side());
         let (mut gradient, mut flux) = (vec![0.0; side], vec![0.0; grid.boundary_nodes()]);
+        let (mut energy, mut stationarity) = (0.0, Largest::default());
         let rows = y.chunks_exact(side).zip(load.chunks_exact(side));
         for (j, (y_row, load_row)) in rows.enumerate() {
             residual_row(grid, j, y, load, &mut gradient);
-            self.see_row(y_row, &gradient, load_row, j % n > 0);
-            let step = if j % n > 0 { n } else { 1 };
-            for i in (0..side).step_by(step) {
+            let nodes = y_row.iter().zip(&gradient).zip(load_row);
+            energy = nodes.fold(energy, |sum, ((y, g), f)| sum + 0.5 * y * (g - f));
+            let is_inner = j % n > 0;
+            if is_inner {
+                stationarity.see(1.0, &gradient[1..n]);
+            }
+            for i in (0..side).step_by(if is_inner { n } else { 1 }) {
                 flux[grid.boundary_index(i, j)] = gradient[i];
             }
         }
-        flux
+        Self { energy, stationarity, flux }
     }
 
-    /// Takes into account a row with the gradient `A y - F`; its ends lie on the boundary, the others if the row is
-    /// not `inner`. What lies on the boundary is judged last, with its measure.
-    fn see_row(&mut self, y: &[f64], gradient: &[f64], load: &[f64], inner: bool) {
-        self.energy = add_energy(self.energy, y, gradient, load);
-        self.load.see(1.0, load);
-        self.value.see(1.0, y);
-        let last = y.len() - 1;
-        if inner {
-            self.stationarity.see(1.0, &gradient[1..last]);
-        }
-    }
-
-    /// Takes all nodes of a network into account, and returns `A y - F` at the contact nodes. A value at a fixed node
-    /// counts as a residual.
-    fn see_network(&mut self, network: &Network, y: &[f64], load: &[f64]) -> Vec<f64> {
-        let mut gradient = vec![0.0; y.len()];
+    /// A value at a fixed node counts as a residual.
+    fn on_network(network: &Network, y: &[f64], load: &[f64]) -> Self {
+        let (mut gradient, mut stationarity) = (vec![0.0; y.len()], Largest::default());
         network.gradient(y, load, &mut gradient);
-        self.energy += network.energy(y, load);
-        self.load.see(1.0, load);
-        self.value.see(1.0, y);
         let mut flux = Vec::with_capacity(network.contact().len());
         for contact in network.contact() {
             flux.push(std::mem::take(&mut gradient[contact.node]));
@@ -241,38 +232,8 @@ impl Judge {
         for &ContactNode { node, .. } in network.held() {
             gradient[node] = y[node];
         }
-        self.stationarity.see(1.0, &gradient);
-        flux
-    }
-
-    fn judgement(&self, judged: JudgedValues<'_>) -> Judgement {
-        let JudgedValues { cells, y, contact, flux } = judged;
-        let (mut min_y, mut min_lambda) = (None, None);
-        let least =
-            |known: Option<f64>, value| Some(known.map_or(value, |known| min_or_nan(known, value)));
-        let (mut energy, mut work) = (self.energy, 0.0);
-        let mut complementarity = Largest::default();
-        for (flux, &ContactNode { node, measure, law }) in flux.iter().zip(&contact) {
-            let potential = measure * law.potential(y[node]);
-            min_y = least(min_y, y[node]);
-            min_lambda = least(min_lambda, flux / measure);
-            complementarity.put(law.residual(y[node], *flux, measure));
-            energy += potential;
-            work += y[node] * flux + potential;
-        }
-        let mut largest = self.value;
-        largest.see(1.0, &flux);
-        let rounding = rounding(cells, largest.value());
-        let of_node = |(flux, contact): (&f64, &ContactNode)| {
-            contact.law.state(y[contact.node], *flux, contact.measure, rounding)
-        };
-        let states = flux.iter().zip(&contact).map(of_node).collect();
-        let [stationarity, complementarity, scale] =
-            [self.stationarity, complementarity, self.load].map(Largest::value);
-        let natural = max_or_nan(stationarity, complementarity);
-        let relative = if natural == 0.0 { 0.0 } else { natural / scale };
-        let kkt = Kkt { stationarity, min_y, min_lambda, complementarity, natural, relative };
-        Judgement { kkt, energy, contact, flux, work, states, rounding, range: range(y) }
+        stationarity.see(1.0, &gradient);
+        Self { energy: network.energy(y, load), stationarity, flux }
     }
 }
 
@@ -281,6 +242,10 @@ mod tests {
     use super::*;
     use crate::problem::law::Law;
 
+    fn kkt(grid: Grid, y: &[f64], load: &[f64]) -> Kkt {
+        judge((grid, Law::SIGNORINI), y, load).kkt
+    }
+
     #[test]
     fn each_violation_is_seen_where_it_is() {
         let grid = Grid::new(2).unwrap();
@@ -288,17 +253,17 @@ mod tests {
         load[4] = -1.0;
         let mut y = vec![0.0; 9];
         y[4] = -0.25;
-        let solved = kkt((grid, Law::SIGNORINI), &y, &load);
+        let solved = kkt(grid, &y, &load);
         assert_eq!((solved.natural, solved.min_y, solved.min_lambda), (0.0, Some(0.0), Some(0.0)));
         y[4] = 0.0;
-        assert_eq!(kkt((grid, Law::SIGNORINI), &y, &load).stationarity, 1.0);
+        assert_eq!(kkt(grid, &y, &load).stationarity, 1.0);
         y[4] = -0.25;
         y[1] = -0.5;
-        let infeasible = kkt((grid, Law::SIGNORINI), &y, &load);
+        let infeasible = kkt(grid, &y, &load);
         assert_eq!(infeasible.min_y, Some(-0.5));
         assert!(infeasible.complementarity >= 0.5);
         load[3] = 7.0;
-        assert!(kkt((grid, Law::SIGNORINI), &y, &load).min_lambda.unwrap() < -6.0);
+        assert!(kkt(grid, &y, &load).min_lambda.unwrap() < -6.0);
     }
 
     #[test]
@@ -307,10 +272,10 @@ mod tests {
         for node in [0, 4] {
             let mut y = vec![0.0; 9];
             y[node] = f64::NAN;
-            assert!(kkt((grid, Law::SIGNORINI), &y, &[1.0; 9]).natural.is_nan());
+            assert!(kkt(grid, &y, &[1.0; 9]).natural.is_nan());
             let mut load = [1.0; 9];
             load[node] = f64::NAN;
-            assert!(kkt((grid, Law::SIGNORINI), &[0.0; 9], &load).natural.is_nan());
+            assert!(kkt(grid, &[0.0; 9], &load).natural.is_nan());
         }
     }
 }

@@ -1,6 +1,36 @@
-//! Nested networks: the discrete problems of a triangulation and its refinements, coarsest first.
+//! Nested discrete problems, coarsest first: grids of the square, or networks of a triangulation and its refinements.
 
+use super::domain::DiscreteDomain;
+use super::grid::Grid;
 use super::network::Network;
+use crate::problem::law::Law;
+
+/// Discrete problems of all levels, coarsest first.
+#[derive(Clone, Copy, Debug)]
+pub enum DiscreteLevels<'a> {
+    /// Grids of the square, without a matrix in memory, and the law on its boundary.
+    Grids(&'a [Grid], Law),
+    /// Networks of a mesh and its refinements.
+    Networks(&'a [NestedNetwork]),
+}
+
+impl<'a> DiscreteLevels<'a> {
+    /// Number of levels, at least one.
+    pub fn count(self) -> usize {
+        match self {
+            Self::Grids(grids, _) => grids.len(),
+            Self::Networks(networks) => networks.len(),
+        }
+    }
+
+    /// Grid or network of a level, counted from 0.
+    pub fn level(self, level: usize) -> DiscreteDomain<'a> {
+        match self {
+            Self::Grids(grids, law) => (grids[level], law).into(),
+            Self::Networks(networks) => (&networks[level].network).into(),
+        }
+    }
+}
 
 /// Discrete problem of one mesh among its refinements.
 #[derive(Clone, Debug)]

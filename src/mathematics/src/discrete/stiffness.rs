@@ -38,25 +38,6 @@ pub fn residual_row(grid: Grid, j: usize, y: &[f64], load: &[f64], out: &mut [f6
     }
 }
 
-/// The energy `1/2 <A y, y> - <F, y>` of the nodal vector `y`, the discrete form of (1).
-///
-/// # Panics
-/// If a slice is not of length `grid.nodes()`.
-pub fn energy(grid: Grid, y: &[f64], load: &[f64]) -> f64 {
-    assert!(y.len() == grid.nodes() && load.len() == y.len());
-    let mut gradient = vec![0.0; grid.side()];
-    let rows = y.chunks_exact(grid.side()).zip(load.chunks_exact(grid.side())).enumerate();
-    rows.fold(0.0, |sum, (j, (y_row, load_row))| {
-        residual_row(grid, j, y, load, &mut gradient);
-        add_energy(sum, y_row, &gradient, load_row)
-    })
-}
-
-/// A sum of energies with those of more nodes, where the gradient `A y - F` is known.
-pub(crate) fn add_energy(sum: f64, y: &[f64], gradient: &[f64], load: &[f64]) -> f64 {
-    y.iter().zip(gradient).zip(load).fold(sum, |sum, ((y, g), f)| sum + 0.5 * y * (g - f))
-}
-
 impl Network {
     /// Network of the five-point matrix of the square: the paper's triangulation, with nodes and boundary nodes in the
     /// order of [`Grid`].
@@ -113,7 +94,9 @@ pub(crate) fn sides(share: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::discrete::kkt::judge;
     use crate::discrete::network::Row;
+    use crate::problem::law::Law;
 
     /// Element by element assembly of (5), the textbook way, for either diagonal of the squares.
     fn assembled_times(grid: Grid, y: &[f64], rising: bool) -> Vec<f64> {
@@ -158,7 +141,8 @@ mod tests {
         let load = vec![2.0; grid.nodes()];
         let ay = assembled_times(grid, &y, true);
         let want: f64 = y.iter().zip(&ay).map(|(y, ay)| y * (0.5 * ay - 2.0)).sum();
-        assert!((energy(grid, &y, &load) - want).abs() < 1e-12);
+        let energy = judge((grid, Law::SIGNORINI), &y, &load).energy;
+        assert!((energy - want).abs() < 1e-12);
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! The paper's grids of the square, matrix-free, as the levels of a problem.
 
-use super::{Discrete, Drawing, Facts, Levels};
+use super::{Drawing, Facts, Levels};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::grid::Grid;
 use crate::discrete::load::LoadRule;
+use crate::discrete::nested::DiscreteLevels;
 use crate::discrete::norms::Errors;
 use crate::mesh::{AnyMesh, ClosedCurve, lattice_mesh, mesh_load, square_boundary, uniform_square};
 use crate::problem::error::SourceError;
@@ -66,11 +67,6 @@ impl Lattices {
         Self { grids, f, rule, law, facts, load, missed }
     }
 
-    /// Grids, coarsest first.
-    pub fn grids(&self) -> &[Grid] {
-        &self.grids
-    }
-
     /// Finest grid.
     pub fn finest(&self) -> Grid {
         self.grids[self.grids.len() - 1]
@@ -131,8 +127,12 @@ impl Levels for Lattices {
         &self.facts
     }
 
-    fn discrete(&self) -> Discrete<'_> {
-        Discrete::Lattices(self)
+    fn discrete(&self) -> DiscreteLevels<'_> {
+        DiscreteLevels::Grids(&self.grids, self.law)
+    }
+
+    fn lattices(&self) -> Option<&Lattices> {
+        Some(self)
     }
 
     fn mesh(&self, level: usize) -> Cow<'_, AnyMesh> {
@@ -157,11 +157,11 @@ impl Levels for Lattices {
                 return None;
             }
             let n = self.finest().cells();
-            let missed = missed_on(&self.f, n.min(LOOKED_AT))?;
-            if missed > MISSED && n > LOOKED_AT {
-                return missed_on(&self.f, n.min(FINEST));
-            }
-            Some(missed)
+            let on = |cells: usize| {
+                missed_on(Grid::new(n.min(cells)).expect("no finer than the finest"), &self.f)
+            };
+            let missed = on(LOOKED_AT)?;
+            if missed > MISSED && n > LOOKED_AT { on(FINEST) } else { Some(missed) }
         })
     }
 

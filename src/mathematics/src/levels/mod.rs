@@ -3,8 +3,8 @@
 //! Central is [`Problem`], which is checked once, when it is made. What is particular to a kind of domain, its geometry
 //! and its load, is the trait [`Levels`], with two implementors: [`Lattices`], the paper's grids of the square, without
 //! a matrix in memory, and `Triangulations`, a mesh with its refinements. All else, such as arcs in contact, errors and
-//! files, are functions of the problem, the same for both. Solvers, and what only the square has, ask
-//! [`Levels::discrete`].
+//! files, are functions of the problem, the same for both. Solvers ask
+//! [`Levels::discrete`], and what only the square has [`Levels::lattices`].
 
 mod bisected;
 mod lattices;
@@ -17,8 +17,7 @@ pub use problem::{Problem, Reserve};
 pub(crate) use triangulations::{Triangulations, VectorErrors, read};
 
 use crate::bounds::{Bounds, NoBound};
-use crate::discrete::domain::DiscreteDomain;
-use crate::discrete::nested::NestedNetwork;
+use crate::discrete::nested::DiscreteLevels;
 use crate::mesh::{AnyMesh, ClosedCurve, MeshError, PlaneMesh};
 use crate::multigrid::InputError;
 use crate::problem::error::SourceError;
@@ -33,8 +32,13 @@ pub trait Levels: Send + Sync {
     /// Facts on the domain, f and the finest level.
     fn facts(&self) -> &Facts;
 
-    /// Grids or networks, which solvers take; also for what only the square or only meshes have.
-    fn discrete(&self) -> Discrete<'_>;
+    /// Grids or networks, which solvers take.
+    fn discrete(&self) -> DiscreteLevels<'_>;
+
+    /// Grids with f, for what only the square has; none on a mesh.
+    fn lattices(&self) -> Option<&Lattices> {
+        None
+    }
 
     /// Mesh of a level; that of a grid is made.
     fn mesh(&self, level: usize) -> Cow<'_, AnyMesh>;
@@ -110,33 +114,6 @@ pub struct Facts {
     pub notes: Vec<String>,
     /// True if meshes are finer where the error is large, so that most of them are not shown.
     pub is_adapted: bool,
-}
-
-/// Discrete problems of all levels, as solvers take them.
-#[derive(Clone, Copy, Debug)]
-pub enum Discrete<'a> {
-    /// Grids of the square, without a matrix in memory.
-    Lattices(&'a Lattices),
-    /// Networks of a mesh and its refinements, coarsest first.
-    Networks(&'a [NestedNetwork]),
-}
-
-impl<'a> Discrete<'a> {
-    /// Number of levels, at least one.
-    pub fn count(self) -> usize {
-        match self {
-            Self::Lattices(lattices) => lattices.grids().len(),
-            Self::Networks(networks) => networks.len(),
-        }
-    }
-
-    /// Grid or network of a level.
-    pub fn level(self, level: usize) -> DiscreteDomain<'a> {
-        match self {
-            Self::Lattices(lattices) => (lattices.grids()[level], lattices.law()).into(),
-            Self::Networks(networks) => (&networks[level].network).into(),
-        }
-    }
 }
 
 /// Part of the integral of |f| from which on bounds are those of another f, if the points miss it.

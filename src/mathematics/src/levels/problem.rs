@@ -1,12 +1,12 @@
 //! A problem: what is solved.
 
-use super::{Discrete, Lattices, Levels, ProblemError, Step, Triangulations, Watch, check_missed};
+use super::{Lattices, Levels, ProblemError, Step, Triangulations, Watch, check_missed};
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, has_solution, judge};
 use crate::discrete::load::LoadRule;
-use crate::discrete::nested::NestedNetwork;
+use crate::discrete::nested::{DiscreteLevels, NestedNetwork};
 use crate::discrete::network::Network;
 use crate::mesh::AnyMesh;
 use crate::problem::law::Law;
@@ -205,10 +205,7 @@ impl Problem {
 
     /// Grids and f on the square; none on a mesh.
     pub fn lattices(&self) -> Option<&Lattices> {
-        match self.levels.discrete() {
-            Discrete::Lattices(lattices) => Some(lattices),
-            Discrete::Networks(_) => None,
-        }
+        self.levels.lattices()
     }
 
     /// Lengths of the nodal vector and the boundary vector of a pair of the finest level.
@@ -229,8 +226,8 @@ impl Problem {
     /// Nested networks of a mesh; none on the square, whose grids have no matrix in memory.
     pub fn networks(&self) -> Option<&[NestedNetwork]> {
         match self.levels.discrete() {
-            Discrete::Lattices(_) => None,
-            Discrete::Networks(networks) => Some(networks),
+            DiscreteLevels::Grids(..) => None,
+            DiscreteLevels::Networks(networks) => Some(networks),
         }
     }
 

@@ -1,10 +1,10 @@
 //! A mesh with its refinements as the levels of a problem.
 
-use super::{Discrete, Drawing, Facts, Levels, ProblemError, Step, Watch};
+use super::{Drawing, Facts, Levels, ProblemError, Step, Watch};
 use crate::bounds::triangulation::BoundedProblem;
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::domain::DiscreteDomain;
-use crate::discrete::nested::NestedNetwork;
+use crate::discrete::nested::{DiscreteLevels, NestedNetwork};
 use crate::discrete::network::Network;
 use crate::mesh::{
     AnyMesh, ClosedCurve, CurveGain, CutShape, Mesh, MeshLoad, NestedMeshes, Sides,
@@ -150,8 +150,8 @@ where
         &self.facts
     }
 
-    fn discrete(&self) -> Discrete<'_> {
-        Discrete::Networks(&self.networks)
+    fn discrete(&self) -> DiscreteLevels<'_> {
+        DiscreteLevels::Networks(&self.networks)
     }
 
     fn mesh(&self, level: usize) -> Cow<'_, AnyMesh> {

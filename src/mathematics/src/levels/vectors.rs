@@ -1,6 +1,6 @@
 //! Numbers of a nodal vector of the finest level: contact, errors, values at points.
 
-use super::{Discrete, Problem};
+use super::Problem;
 use crate::discrete::contact::ContactArc;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::Judgement;
@@ -51,18 +51,12 @@ impl Problem {
     /// dimensions: linear on each triangle or tetrahedron, with the gradient on the one in which the point lies, and on
     /// the first of several. The squares of a grid are cut by rising diagonals, as in the paper.
     pub fn values_at(&self, y: &[f64], points: &[Vec<f64>]) -> Vec<PointValue> {
-        let mut values = Vec::with_capacity(points.len());
-        match self.levels().discrete() {
-            Discrete::Lattices(lattices) => {
-                let grid = lattices.finest();
-                values.extend(points.iter().map(|at| PointValue::new(at, on_grid(grid, at, y))));
-            }
-            Discrete::Networks(_) => {
-                let mesh = self.levels().mesh(self.finest());
-                values.extend(points.iter().map(|at| mesh.at(at, y)));
-            }
+        if let Some(lattices) = self.lattices() {
+            let grid = lattices.finest();
+            return points.iter().map(|at| PointValue::new(at, on_grid(grid, at, y))).collect();
         }
-        values
+        let mesh = self.levels().mesh(self.finest());
+        points.iter().map(|at| mesh.at(at, y)).collect()
     }
 }
 

@@ -202,8 +202,7 @@ pub fn lattice_mesh(lines: &[f64]) -> PlaneMesh {
             [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(i, j)| (j * side + i) as u32);
         cells.extend([[ll, lr, ur], [ll, ur, ul]]);
     }
-    let data = MeshData { points, cells, ..MeshData::default() };
-    data.mesh().expect("a uniform mesh passes the checks")
+    MeshData { points, cells, ..MeshData::default() }.lattice()
 }
 
 /// Kuhn's triangulation of the unit cube with `n` cells per side: six tetrahedra in each cell, along the paths from its
@@ -232,8 +231,7 @@ pub fn uniform_cube(n: usize) -> SpaceMesh {
             cells.push(cell);
         }
     }
-    let data = MeshData { points, cells, ..MeshData::default() };
-    data.mesh().expect("a uniform mesh passes the checks")
+    MeshData { points, cells, ..MeshData::default() }.lattice()
 }
 
 #[cfg(test)]

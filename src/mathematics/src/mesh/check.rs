@@ -23,7 +23,16 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
     ///
     /// # Errors
     /// The first fault found, as [`MeshError`].
-    pub fn mesh(mut self) -> Result<Mesh<D, V>, MeshError> {
+    pub fn mesh(self) -> Result<Mesh<D, V>, MeshError> {
+        self.checked(true)
+    }
+
+    /// Mesh whose cells are known to neither overlap nor hang on each other.
+    pub(super) fn lattice(self) -> Mesh<D, V> {
+        self.checked(false).expect("a uniform mesh passes the checks")
+    }
+
+    fn checked(mut self, may_overlap: bool) -> Result<Mesh<D, V>, MeshError> {
         if self.cells.is_empty() {
             let [cells, domain] =
                 if D == 3 { ["tetrahedra", "volume"] } else { ["triangles", "area"] };
@@ -37,8 +46,11 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
         self.check_positions()?;
         self.check_regions()?;
         let mut boundary = self.boundary()?;
-        self.check_overlap(&boundary)?;
-        let meshed_apart = self.check_hanging(&boundary)?;
+        let mut meshed_apart = None;
+        if may_overlap {
+            self.check_overlap(&boundary)?;
+            meshed_apart = self.check_hanging(&boundary)?;
+        }
         self.part_pinched(&mut boundary);
         let touching = self.touching(&boundary).map(|touching| touching.to_string());
         if self.regions.is_empty() {

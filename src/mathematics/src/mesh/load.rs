@@ -47,6 +47,8 @@ pub struct MeshLoad {
     pub size: f64,
     /// Sum of the differences of the formulas by which f was sampled; none if all integrals are exact.
     pub unsettled: Option<f64>,
+    /// Sum of the differences between the integrals over cells and the formula of degree 5 on each whole cell.
+    pub(crate) moved: f64,
 }
 
 impl MeshLoad {
@@ -142,22 +144,27 @@ where
         let run = start..cells.min(start + RUN);
         let each = items_per_task(run.len(), COST);
         let parts = map_with_room(run, each, CellCutter::new, |cutter, cell| {
-            work.integrate(cutter, cell, once)
+            let part = work.integrate(cutter, cell, once)?;
+            let is_whole = least_parts == 1 || part.difference.is_none();
+            let whole = Settling { least_parts: 1, ..once };
+            let on_whole = if is_whole { None } else { Some(work.integrate(cutter, cell, whole)?) };
+            let coarse = on_whole.map_or(part.part.mean, |whole| whole.part.mean);
+            Ok::<_, SourceError>((part, coarse))
         });
-        for (cell, part) in (start..).zip(parts) {
-            let part = part?;
+        for (cell, found) in (start..).zip(parts) {
+            let (part, coarse) = found?;
             made.size += part.part.size;
             if part.worst > SETTLED * made.size {
-                open.push((cell, part));
+                open.push((cell, part, coarse));
             } else {
-                made.add(cell, &part);
+                made.add(cell, &part, coarse);
             }
         }
     }
     let size = made.size;
     let (open, settled): (Vec<_>, Vec<_>) =
-        open.into_iter().partition(|(_, part)| part.worst > SETTLED * size);
-    settled.iter().for_each(|(cell, part)| made.add(*cell, part));
+        open.into_iter().partition(|(_, part, _)| part.worst > SETTLED * size);
+    settled.iter().for_each(|(cell, part, coarse)| made.add(*cell, part, *coarse));
     let more = Settling {
         most_parts: once.least_parts + MOST_PARTS.div_ceil(open.len().max(1)),
         tolerance: SETTLED * size,
@@ -167,10 +174,10 @@ where
     let finer = map_with_room(0..open.len(), each, CellCutter::new, |cutter, k| {
         work.integrate(cutter, open[k].0, more)
     });
-    for ((cell, coarse), part) in open.iter().zip(finer) {
+    for ((cell, before, coarse), part) in open.iter().zip(finer) {
         let part = part?;
-        made.size += part.part.size - coarse.part.size;
-        made.add(*cell, &part);
+        made.size += part.part.size - before.part.size;
+        made.add(*cell, &part, *coarse);
     }
     Ok(made.finished())
 }
@@ -253,6 +260,7 @@ struct LoadSums<'a, const D: usize, const V: usize> {
     shares: Vec<[f64; V]>,
     size: f64,
     unsettled: Option<f64>,
+    moved: f64,
 }
 
 impl<'a, const D: usize, const V: usize> LoadSums<'a, D, V> {
@@ -266,11 +274,17 @@ impl<'a, const D: usize, const V: usize> LoadSums<'a, D, V> {
             shares: vec![[0.0; V]; cells],
             size: 0.0,
             unsettled: None,
+            moved: 0.0,
         }
     }
 
-    /// Adds the integrals over a cell, but for that of |f|.
-    fn add(&mut self, cell: usize, WeighedPart { part, difference, .. }: &WeighedPart<V>) {
+    /// Adds the integrals over a cell, but for that of |f|, with the mean by the formula on the whole cell.
+    fn add(
+        &mut self,
+        cell: usize,
+        WeighedPart { part, difference, .. }: &WeighedPart<V>,
+        coarse: f64,
+    ) {
         for (&node, share) in self.mesh.cells()[cell].iter().zip(part.shares) {
             self.load[node as usize] += share;
         }
@@ -279,18 +293,20 @@ impl<'a, const D: usize, const V: usize> LoadSums<'a, D, V> {
         self.shares[cell] = part.shares;
         if let Some(difference) = difference {
             *self.unsettled.get_or_insert(0.0) += difference;
+            let volume = volume(self.mesh.vertices(&self.mesh.cells()[cell]));
+            self.moved += volume * (part.mean - coarse).abs();
         }
     }
 
     fn finished(self) -> MeshLoad {
-        let Self { mesh, load, mean, deviation, shares, size, unsettled } = self;
+        let Self { mesh, load, mean, deviation, shares, size, unsettled, moved } = self;
         let masses = mesh.cells().iter().zip(&mean);
         let integral = masses.map(|(cell, mean)| volume(mesh.vertices(cell)) * mean).sum();
         let is_constant = deviation.iter().all(|deviation| *deviation == 0.0);
         let deviation = (!is_constant).then_some(deviation);
         let shares = (!is_constant).then(|| shares.into_flattened());
         let cells = CellData { mean, deviation, shares };
-        MeshLoad { load, cells, integral, size, unsettled }
+        MeshLoad { load, cells, integral, size, unsettled, moved }
     }
 }
 

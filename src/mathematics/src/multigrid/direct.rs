@@ -57,11 +57,6 @@ impl Direct {
         self.factor_work() + 2.0 * self.solve_work()
     }
 
-    /// Number of bytes of the matrix and its factors.
-    pub(crate) fn bytes(&self) -> usize {
-        size_of::<f64>() * self.x.len() + self.factors.bytes()
-    }
-
     /// Factors the matrix with these entries on the diagonal; where an entry is infinite the node is held at zero.
     pub(crate) fn factor(&mut self, diagonal: impl IntoIterator<Item = f64>) {
         for (&place, diagonal) in self.places.iter().zip(diagonal) {
@@ -179,13 +174,6 @@ impl Factors {
     /// Number of multiplications of one solution.
     pub(crate) fn solve_work(&self) -> f64 {
         self.counts().map(|below| 2 * below + 1).sum::<usize>() as f64
-    }
-
-    /// Number of bytes of the matrix and its factors.
-    pub(crate) fn bytes(&self) -> usize {
-        let entries = self.entries.len() + self.matrix.entries.len();
-        (size_of::<f64>() + size_of::<u32>()) * entries
-            + (3 * size_of::<f64>() + 3 * size_of::<u32>()) * self.inverses.len()
     }
 
     /// Factors the matrix with these entries on the diagonal; a row and a column whose entry is infinite are replaced

@@ -217,33 +217,6 @@ mod tests {
         }
     }
 
-    /// Points inside, away from the ends of contact, where the fourth derivatives stay moderate.
-    fn interior_points() -> impl Iterator<Item = (f64, f64)> {
-        (1..8).flat_map(|j| {
-            (1..8).map(move |i| (f64::from(i) / 8.0 - 0.49, f64::from(j) / 8.0 - 0.48))
-        })
-    }
-
-    #[test]
-    fn derivatives_match_finite_differences() {
-        const STEP: f64 = 1e-3;
-        for problem in Exact::ALL {
-            let v = |x, y| problem.at(x, y).value;
-            for (x, y) in interior_points() {
-                let (east, west) = (v(x + STEP, y), v(x - STEP, y));
-                let (north, south) = (v(x, y + STEP), v(x, y - STEP));
-                let Sample { value, gradient: [gx, gy], f } = problem.at(x, y);
-                let laplacian = (east + west + north + south - 4.0 * value) / (STEP * STEP);
-                assert!(
-                    (f + laplacian).abs() < 2e-3 * (1.0 + f.abs()),
-                    "{problem:?} {x} {y} {f} {laplacian}"
-                );
-                assert!((gx - (east - west) / (2.0 * STEP)).abs() < 1e-3, "{problem:?} {x} {y}");
-                assert!((gy - (north - south) / (2.0 * STEP)).abs() < 1e-3, "{problem:?} {x} {y}");
-            }
-        }
-    }
-
     #[test]
     fn ends_of_contact_are_reached_without_a_jump() {
         let (corner, segment) = (Exact::FreeCorner, Exact::FreeSegment);

@@ -6,6 +6,7 @@
 mod read;
 
 use super::error::SourceError;
+use crate::machine::extremes::{max_or_nan, min_or_nan};
 use std::fmt;
 
 /// Formula in x and y, in space also in z.
@@ -208,21 +209,8 @@ impl Binary {
             Self::Times => a * b,
             Self::Over => a / b,
             Self::Power => power(a, b),
-            // Unlike those of the standard library, these keep NaN.
-            Self::Min => {
-                if a < b || a.is_nan() {
-                    a
-                } else {
-                    b
-                }
-            }
-            Self::Max => {
-                if a > b || a.is_nan() {
-                    a
-                } else {
-                    b
-                }
-            }
+            Self::Min => min_or_nan(a, b),
+            Self::Max => max_or_nan(a, b),
             Self::Atan2 => libm::atan2(a, b),
         }
     }

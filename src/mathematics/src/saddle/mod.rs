@@ -12,12 +12,9 @@ mod stopping;
 
 pub(crate) use engine::{Engine, Goals, RunStart, RunState, run};
 pub use method::Method;
-pub use nested::{
-    Monitor, NestedGrids, NestedLevels, NestedRun, run_nested, solve_nested, solve_nested_together,
-    tolerance,
-};
+pub use nested::{Monitor, NestedRun, solve_nested, solve_nested_together, tolerance};
 pub use plain::Plain;
-pub use solve::{Iteration, Params, arrow_hurwicz, solve};
+pub use solve::{Iteration, Params, solve};
 pub(crate) use stopping::GradientMeasure;
 pub use stopping::StopRule;
 

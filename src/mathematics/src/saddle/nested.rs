@@ -2,13 +2,10 @@
 
 use super::Pair;
 use super::solve::{AskedRun, Iteration, Params, solve_together};
-use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::end::{Outcome, Stop};
-use crate::discrete::grid::Grid;
-use crate::discrete::nested::NestedNetwork;
+use crate::discrete::nested::DiscreteLevels;
 use crate::discrete::norms::largest;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
-use crate::problem::law::Law;
 
 /// Returns the paper's tolerance on its `level`-th grid, counted from 1: `10^-level`.
 pub fn tolerance(level: usize) -> f64 {
@@ -16,76 +13,21 @@ pub fn tolerance(level: usize) -> f64 {
     1.0 / 10f64.powi(level as i32)
 }
 
-/// Nested grids or networks, coarsest first.
-pub trait NestedLevels {
-    /// Number of grids or networks.
-    fn count(&self) -> usize;
-
-    /// The k-th grid or network, counted from 0.
-    fn domain(&self, k: usize) -> DiscreteDomain<'_>;
-
-    /// Linear interpolation of a pair from the grid or network before the k-th one.
-    fn interpolated(&self, k: usize, coarse: &Pair) -> Pair;
-}
-
-/// Nested grids of the square, and how pairs on them are interpolated.
-#[derive(Clone, Copy, Debug)]
-pub struct NestedGrids<'a> {
-    /// Grids, coarsest first, as [`crate::discrete::grid::nested`] gives them.
-    pub grids: &'a [Grid],
-    /// Law on the boundary.
-    pub law: Law,
-    /// Interpolation to the next grid.
-    pub prolongation: Prolongation,
-}
-
-impl NestedLevels for NestedGrids<'_> {
-    fn count(&self) -> usize {
-        self.grids.len()
-    }
-
-    fn domain(&self, k: usize) -> DiscreteDomain<'_> {
-        (self.grids[k], self.law).into()
-    }
-
-    fn interpolated(&self, k: usize, Pair { y, a }: &Pair) -> Pair {
-        Pair { y: prolong(self.grids[k - 1], y, self.prolongation), a: prolong_boundary(a) }
-    }
-}
-
-impl NestedLevels for [NestedNetwork] {
-    fn count(&self) -> usize {
-        self.len()
-    }
-
-    fn domain(&self, k: usize) -> DiscreteDomain<'_> {
-        (&self[k].network).into()
-    }
-
-    fn interpolated(&self, k: usize, Pair { y, a }: &Pair) -> Pair {
-        let a = self[k].interpolate_boundary(&self[k - 1].network, a);
-        Pair { y: self[k].interpolate(y), a }
-    }
-}
-
-/// Does the work on each level in turn, from pairs on the coarsest one and then from the interpolated pairs.
-///
-/// `on_level` receives the number of the level, counted from 0, and the pairs, which it changes.
-///
-/// # Errors
-/// The first error of `on_level`; the pairs are then those on its level.
-pub fn run_nested<L: NestedLevels + ?Sized, P: AsMut<[Pair]> + ?Sized, E>(
-    levels: &L,
-    pairs: &mut P,
-    mut on_level: impl FnMut(usize, &mut P) -> Result<(), E>,
-) -> Result<(), E> {
-    for k in 0..levels.count() {
-        if k > 0 {
-            pairs.as_mut().iter_mut().for_each(|pair| *pair = levels.interpolated(k, pair));
+impl Pair {
+    /// Returns the linear interpolation of a pair to the k-th level from the one before, on a grid by this rule at the
+    /// centres of cells.
+    pub fn interpolated(&self, levels: DiscreteLevels<'_>, k: usize, rule: Prolongation) -> Self {
+        let Self { y, a } = self;
+        match levels {
+            DiscreteLevels::Grids(grids, _) => {
+                Self { y: prolong(grids[k - 1], y, rule), a: prolong_boundary(a) }
+            }
+            DiscreteLevels::Networks(networks) => {
+                let a = networks[k].interpolate_boundary(&networks[k - 1].network, a);
+                Self { y: networks[k].interpolate(y), a }
+            }
         }
-        on_level(k, pairs)?;
     }
-    Ok(())
 }
 
 /// Observer of a run over nested grids or networks; every method has a default that does nothing.
@@ -136,8 +78,8 @@ impl NestedRun<'_> {
 ///
 /// # Panics
 /// If there are no levels, a load vector has the wrong length, or `params.r` is not positive.
-pub fn solve_nested<L: NestedLevels + ?Sized>(
-    levels: &L,
+pub fn solve_nested(
+    levels: DiscreteLevels<'_>,
     loads: &[Vec<f64>],
     params: &Params,
     monitor: &mut dyn Monitor,
@@ -151,18 +93,19 @@ pub fn solve_nested<L: NestedLevels + ?Sized>(
 ///
 /// # Panics
 /// As [`solve_nested`].
-pub fn solve_nested_together<L: NestedLevels + ?Sized>(
-    levels: &L,
+pub fn solve_nested_together(
+    levels: DiscreteLevels<'_>,
     runs: &[NestedRun<'_>],
     monitors: &mut [&mut dyn Monitor],
 ) -> Vec<(Vec<Outcome>, Pair)> {
-    let zero = Pair::zero(levels.domain(0));
+    let zero = Pair::zero(levels.level(0));
     let mut found = vec![(Vec::with_capacity(levels.count()), zero); runs.len()];
     let mut going: Vec<usize> = (0..runs.len()).collect();
     for k in 0..levels.count() {
         if k > 0 {
             for &number in &going {
-                found[number].1 = levels.interpolated(k, &found[number].1);
+                let rule = runs[number].params.prolongation;
+                found[number].1 = found[number].1.interpolated(levels, k, rule);
             }
         }
         let on_level = going.iter().map(|&number| AskedRun {
@@ -172,7 +115,7 @@ pub fn solve_nested_together<L: NestedLevels + ?Sized>(
             has_history: monitors[number].has_history(),
         });
         let on_level: Vec<_> = on_level.collect();
-        let ends = solve_together(levels.domain(k), &on_level);
+        let ends = solve_together(levels.level(k), &on_level);
         for (&number, end) in going.iter().zip(ends) {
             monitors[number].level(&end.pair, &end.history);
             found[number].0.push(end.outcome);

@@ -9,6 +9,7 @@ use super::stopping::{GradientMeasure, StopRule};
 use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::end::{End, Outcome, Stop};
 use crate::discrete::kkt::{has_solution, judge};
+use crate::discrete::transfer::Prolongation;
 use serde::{Deserialize, Serialize};
 use std::array::from_fn;
 
@@ -27,6 +28,8 @@ pub struct Params {
     pub kkt: Option<f64>,
     /// Limit on the number of sweeps; an iteration of the paper is one sweep.
     pub max_iterations: usize,
+    /// Interpolation of pairs to the next grid of the square.
+    pub prolongation: Prolongation,
 }
 
 impl Default for Params {
@@ -38,6 +41,7 @@ impl Default for Params {
             rule: StopRule::Signed,
             kkt: None,
             max_iterations: 1_000_000,
+            prolongation: Prolongation::default(),
         }
     }
 }
@@ -132,19 +136,6 @@ pub fn solve<'a>(
     let [end] = <[LevelEnd; 1]>::try_from(ends).ok().expect("a run has an end");
     *pair = end.pair;
     end.outcome
-}
-
-/// Solves by the paper's method whatever `params.method` says.
-///
-/// # Panics
-/// As [`solve`].
-pub fn arrow_hurwicz<'a>(
-    domain: impl Into<DiscreteDomain<'a>>,
-    load: &[f64],
-    params: &Params,
-    pair: &mut Pair,
-) -> Outcome {
-    solve(domain, load, &Params { method: Method::ArrowHurwicz, ..*params }, pair)
 }
 
 /// Most runs on a grid that are faster one after the other than in the lanes of one engine.

@@ -65,41 +65,21 @@ impl Adaption<'_> {
     }
 }
 
-/// Bits of a positive number by which numbers are sorted into bins: the exponent and some of the mantissa. Numbers of
-/// one bin differ by less than one part in 64.
-const SHIFT: u32 = 46;
-const BINS: usize = 1 << (63 - SHIFT);
-
 /// Returns the least number of cells, by increasing numbers, whose squares sum to at least a fraction of all; of equal
 /// squares those of the cells with lower numbers. A square that is no positive number counts as zero.
 pub(super) fn largest_parts(squares: &[f64], fraction: f64) -> Vec<u32> {
-    let bin = |square: f64| if square > 0.0 { (square.to_bits() >> SHIFT) as usize } else { 0 };
-    let mut sums = vec![0.0; BINS];
-    squares.iter().filter(|square| **square > 0.0).for_each(|&square| sums[bin(square)] += square);
-    let wanted = fraction * sums.iter().sum::<f64>();
-    let (mut sum, mut last) = (0.0, BINS - 1);
-    while last > 0 && sum + sums[last] < wanted {
-        sum += sums[last];
-        last -= 1;
-    }
-    let mut marked = Vec::new();
-    let mut open = Vec::new();
-    for (cell, &square) in (0..).zip(squares) {
-        let of_cell = bin(square);
-        if of_cell > last {
-            marked.push(cell);
-        } else if of_cell == last && square > 0.0 {
-            open.push(cell);
-        }
-    }
-    open.sort_by(|&a: &u32, &b: &u32| squares[b as usize].total_cmp(&squares[a as usize]));
-    for cell in open {
-        if sum >= wanted {
-            break;
-        }
-        sum += squares[cell as usize];
-        marked.push(cell);
-    }
+    let square = |cell: &u32| squares[*cell as usize];
+    let mut marked: Vec<u32> =
+        (0..squares.len() as u32).filter(|cell| square(cell) > 0.0).collect();
+    marked.sort_by(|a, b| square(b).total_cmp(&square(a)));
+    let wanted = fraction * marked.iter().map(square).sum::<f64>();
+    let mut sum = 0.0;
+    let reaches = |cell| {
+        sum += square(cell);
+        sum >= wanted
+    };
+    let enough = marked.iter().position(reaches).map_or(marked.len(), |last| last + 1);
+    marked.truncate(enough);
     marked.sort_unstable();
     marked
 }

@@ -7,14 +7,12 @@
 //! so that few iterations are enough.
 
 use super::{Settings, Solver, solve};
-use crate::discrete::end::End;
 use crate::discrete::grid::Grid;
 use crate::discrete::network::{ContactRow, Network};
 use crate::discrete::norms::largest;
 use crate::levels::Problem;
 use crate::problem::law::Law;
-use crate::saddle::batch::{Lanes, Order};
-use crate::saddle::{Engine, Goals, Method, Pair, RunStart, RunState, run};
+use crate::saddle::{Pair, Plain};
 
 /// Relative change of a gap from block to block of iterations at which it is taken for settled.
 const SETTLED: f64 = 1e-3;
@@ -31,8 +29,6 @@ pub struct Convergence {
     /// One minus the factor by which the changes of y shrink from one iteration to the next, once the contact set is
     /// that of the solution, from zero and with the r that is measured.
     pub measured: f64,
-    /// Number of iterations after which it was measured.
-    pub iterations: usize,
 }
 
 impl Problem {
@@ -47,8 +43,7 @@ impl Problem {
         pair.y.fill(1.0);
         let gaps = r.iter().map(|&r| case.gap(r, &mut pair)).collect::<Result<_, _>>()?;
         let contact = case.held.iter().filter(|&&held| held).count();
-        let (measured, iterations) = case.measured(measured_r)?;
-        Ok(Convergence { contact, gaps, measured, iterations })
+        Ok(Convergence { contact, gaps, measured: case.measured(measured_r)? })
     }
 }
 
@@ -116,58 +111,34 @@ impl<'a> Case<'a> {
     }
 
     /// One minus the factor of the method itself from zero, once its contact set stays the final one and the factor has
-    /// settled; and the number of iterations.
-    fn measured(&self, r: f64) -> Result<(f64, usize), String> {
-        let (method, pair) = (Method::ArrowHurwicz, &Pair::zero(&self.network));
-        let start = RunStart { load: self.load, method, r, pair };
-        let mut lane = Lanes::<1, f64>::new(self.grid, Law::SIGNORINI, Order::Lexicographic, 1.0);
-        lane.enter(0, &start);
-        let state = RunState::new(&start, BLOCKS * self.block());
-        let (change, gap) = (f64::NAN, f64::NAN);
-        let mut goal = FactorGoal { case: self, last: Vec::new(), change, gap, end: None };
-        run(&mut lane, [Some(state)], &mut goal);
-        match goal.end.and_then(|end| end.count()) {
-            Some(iterations) => Ok((goal.gap, iterations + 1)),
-            None => Err(format!("the method does not settle with r = {r}")),
+    /// settled.
+    fn measured(&self, r: f64) -> Result<f64, String> {
+        let Self { network, load, .. } = self;
+        let method = Plain { network, load, r };
+        let mut pair = Pair::zero(network);
+        // Change of y in the last iteration of a block; one minus the factor of a block, NaN under another contact set
+        // than the final one.
+        let (mut change, mut gap) = (f64::NAN, f64::NAN);
+        for _ in 0..BLOCKS {
+            let mut before = Vec::new();
+            for left in (0..self.block()).rev() {
+                if left == 0 {
+                    before.clone_from(&pair.y);
+                }
+                method.sweep(&mut pair);
+                method.dual_step(&mut pair);
+            }
+            let changes: Vec<f64> = pair.y.iter().zip(&before).map(|(y, old)| y - old).collect();
+            let now = largest(&changes);
+            let next = self.gap_of(now / change);
+            let is_final = pair.a.iter().zip(&self.held).all(|(&a, &held)| (a > 0.0) == held);
+            if is_final && (next - gap).abs() <= SETTLED * next {
+                return Ok(next);
+            }
+            // A factor under another contact set says nothing.
+            (change, gap) = (now, if is_final { next } else { f64::NAN });
         }
-    }
-}
-
-/// Goal of the method itself: that its factor settles from block to block of iterations.
-struct FactorGoal<'a> {
-    case: &'a Case<'a>,
-    /// y before the last iteration of a block.
-    last: Vec<f64>,
-    /// Change of y in the last iteration of the last block.
-    change: f64,
-    /// One minus the factor of the last block; NaN under another contact set than the final one.
-    gap: f64,
-    end: Option<End>,
-}
-
-impl Goals<Lanes<1, f64>, 1> for FactorGoal<'_> {
-    fn reached(&mut self, lane: &mut Lanes<1, f64>, runs: [Option<&RunState>; 1]) -> [bool; 1] {
-        let (case, at) = (self.case, runs[0].map_or(1, |run| run.iterations % self.case.block()));
-        if at + 1 == case.block() {
-            self.last.clone_from(&lane.pair(0).y);
-        }
-        if at > 0 {
-            return [false];
-        }
-        let pair = lane.pair(0);
-        let changes: Vec<f64> = pair.y.iter().zip(&self.last).map(|(y, last)| y - last).collect();
-        let now = largest(&changes);
-        let gap = case.gap_of(now / self.change);
-        let is_final = pair.a.iter().zip(&case.held).all(|(&a, &held)| (a > 0.0) == held);
-        let is_settled = is_final && (gap - self.gap).abs() <= SETTLED * gap;
-        // A factor under another contact set says nothing.
-        (self.change, self.gap) = (now, if is_final { gap } else { f64::NAN });
-        [is_settled]
-    }
-
-    fn ended(&mut self, _: &mut Lanes<1, f64>, _: usize, end: End) -> Option<RunState> {
-        self.end = Some(end);
-        None
+        Err(format!("the method does not settle with r = {r}"))
     }
 }
 

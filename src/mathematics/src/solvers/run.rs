@@ -1,19 +1,20 @@
 //! One function per kind of solver that hands it a problem, on the square or on a mesh.
 
 use super::{Refusal, SaddleSettings, Settings, Solver};
+use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::end::{End, Outcome, Stop};
 use crate::discrete::kkt::Judgement;
+use crate::discrete::nested::DiscreteLevels;
 use crate::discrete::network::Network;
 use crate::discrete::norms::largest;
-use crate::discrete::transfer::Prolongation;
-use crate::levels::{Discrete, Problem, ProblemError, read};
+use crate::levels::{Problem, ProblemError, read};
 use crate::mesh::PlaneMesh;
 use crate::multigrid::active_set::active_set as solve_by_states;
 use crate::multigrid::{Goal, InputError, MultigridParams};
 use crate::multilevel::solve_nested_networks;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
-use crate::saddle::{Monitor, NestedGrids, NestedRun, Pair, Params, solve_nested_together};
+use crate::saddle::{Monitor, NestedRun, Pair, Params, solve_nested_together};
 use crate::spectral::{
     PlaneError, TrueSolution, check_plane, true_solution_on, true_solution_on_square,
 };
@@ -115,10 +116,10 @@ pub(super) fn multigrid(
     let params = MultigridParams { goal: settings.goal, ..MultigridParams::default() };
     let load = problem.load();
     let solved = match problem.levels().discrete() {
-        Discrete::Lattices(lattices) => {
-            solve_square(lattices.finest().cells(), lattices.law(), load, &params)
+        DiscreteLevels::Grids(grids, law) => {
+            solve_square(grids[problem.finest()].cells(), law, load, &params)
         }
-        Discrete::Networks(networks) => solve_nested_networks(networks, load, &params),
+        DiscreteLevels::Networks(networks) => solve_nested_networks(networks, load, &params),
     };
     let dimension = problem.levels().facts().dimension;
     match &solved {
@@ -151,9 +152,9 @@ fn by_factors(
 ) -> Result<FoundSolution, Refusal> {
     let load = problem.load();
     monitor.factors(load.len());
-    let network = match problem.levels().discrete() {
-        Discrete::Lattices(lattices) => &Network::of_square(lattices.finest(), lattices.law()),
-        Discrete::Networks(networks) => &networks[problem.finest()].network,
+    let network = match problem.domain(problem.finest()) {
+        DiscreteDomain::Grid(grid, law) => &Network::of_square(grid, law),
+        DiscreteDomain::Network(network) => network,
     };
     on_finest(problem, Solver::ActiveSet, solve_by_states(network, load, start))
 }
@@ -178,7 +179,7 @@ pub(super) fn saddle(
     Ok(saddle_together(problem, &[*settings], &mut [monitor])?.swap_remove(0))
 }
 
-/// Runs saddle-point methods with one interpolation, as [`saddle`], each with its observer: on the square side by side.
+/// Runs saddle-point methods, as [`saddle`], each with its observer: on the square side by side.
 pub(crate) fn saddle_together(
     problem: &Problem,
     settings: &[Settings],
@@ -186,7 +187,7 @@ pub(crate) fn saddle_together(
 ) -> Result<Vec<FoundSolution>, Refusal> {
     let loads = owned_loads(problem)?;
     let runs: Vec<_> = settings.iter().map(|of| nested_run(problem, of, &loads)).collect();
-    let found = run_together(problem, settings[0].saddle.prolongation, &runs, monitors);
+    let found = solve_nested_together(problem.levels().discrete(), &runs, monitors);
     let mut solutions = Vec::with_capacity(settings.len());
     for ((ends, Pair { y, .. }), Settings { solver, .. }) in found.into_iter().zip(settings) {
         let finest = problem.finest();
@@ -210,30 +211,15 @@ fn nested_run<'a>(
     Settings { solver, saddle, goal }: &Settings,
     loads: &'a [Vec<f64>],
 ) -> NestedRun<'a> {
-    let (&SaddleSettings { r, stop, max_iterations, .. }, usual) = (saddle, Params::default());
+    let &SaddleSettings { prolongation, r, stop, max_iterations } = saddle;
+    let usual = Params::default();
     let method = solver.entry().method.unwrap_or(usual.method);
     let kkt = match goal {
         Goal::Kkt(bound) => Some(bound / largest(problem.load())),
         _ => None,
     };
-    let params = Params { method, r, rule: stop, kkt, max_iterations, ..usual };
+    let params = Params { method, r, rule: stop, kkt, max_iterations, prolongation, ..usual };
     NestedRun { loads, params }
-}
-
-/// Outcomes on all levels of each run, and its last pair.
-fn run_together(
-    problem: &Problem,
-    prolongation: Prolongation,
-    runs: &[NestedRun<'_>],
-    monitors: &mut [&mut dyn Monitor],
-) -> Vec<(Vec<Outcome>, Pair)> {
-    match problem.levels().discrete() {
-        Discrete::Lattices(lattices) => {
-            let (grids, law) = (lattices.grids(), lattices.law());
-            solve_nested_together(&NestedGrids { grids, law, prolongation }, runs, monitors)
-        }
-        Discrete::Networks(networks) => solve_nested_together(networks, runs, monitors),
-    }
 }
 
 impl Problem {
@@ -260,7 +246,8 @@ impl Problem {
         }
         let mut unseen = vec![(); r.len()];
         let mut monitors: Vec<_> = unseen.iter_mut().map(|of| of as &mut dyn Monitor).collect();
-        let found = run_together(self, saddle.prolongation, &runs, &mut monitors);
+        let levels = self.levels().discrete();
+        let found = solve_nested_together(levels, &runs, &mut monitors);
         let counts = found.iter().map(|(ends, _)| ends.iter().map(|end| end.end.iterations));
         Ok(counts.map(Iterator::collect).collect())
     }

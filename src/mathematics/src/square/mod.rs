@@ -8,4 +8,3 @@ pub mod bounds;
 pub mod errors;
 pub mod load;
 pub mod multigrid;
-mod sampled;

@@ -58,7 +58,6 @@ impl AskedRadius {
             }
             measured.push(json!({
                 "problem": problem, "cells": cells, "r": self.measured_r, "gap": found.measured,
-                "iterations": found.iterations,
             }));
         }
         let found = json!({ "radii": radii, "measured": measured, "plan": self });

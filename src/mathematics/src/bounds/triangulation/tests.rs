@@ -53,6 +53,7 @@ fn constant_on_cells<const D: usize, const V: usize>(
         integral,
         size,
         unsettled: None,
+        moved: 0.0,
     }
 }
 

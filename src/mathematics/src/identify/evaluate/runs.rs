@@ -1,14 +1,15 @@
 //! Forced and free runs, grid by grid.
 
 use super::{Evaluator, Table};
+use crate::discrete::nested::DiscreteLevels;
 use crate::discrete::norms::largest;
 use crate::identify::moves::MOST_ITERATIONS;
+use crate::identify::variant::Variant;
 use crate::machine::threads::map_with_room;
 use crate::problem::law::Law;
 use crate::saddle::batch::LANES;
-use crate::saddle::{Engine, Method, NestedGrids, Pair, RunStart, run_nested, tolerance};
+use crate::saddle::{Engine, Method, Pair, RunStart, tolerance};
 use std::array::from_fn;
-use std::convert::Infallible;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -234,18 +235,23 @@ impl Evaluator<'_> {
     ) -> Vec<(Vec<Option<usize>>, f64)> {
         let mut ends = vec![(Vec::new(), 0.0); runs.len()];
         let grids = self.grids[..held.unwrap_or(self.grids.len())].to_vec();
-        let (law, prolongation) = (Law::SIGNORINI, self.variant.prolongation);
-        let nested = NestedGrids { grids: &grids, law, prolongation };
-        let mut pairs = vec![Pair::zero((grids[0], law)); runs.len()];
-        let (measure, uncounted) = (self.variant.measure.in_lanes(), self.variant.uncounted);
-        let on_level = |level: usize, pairs: &mut Vec<Pair>| {
-            self.enter(geometry, level, runs, pairs);
+        let mut pairs = vec![Pair::zero((grids[0], Law::SIGNORINI)); runs.len()];
+        let Variant { measure, uncounted, prolongation, .. } = self.variant;
+        let measure = measure.in_lanes();
+        for level in 0..grids.len() {
+            if level > 0 {
+                let levels = DiscreteLevels::Grids(&grids, Law::SIGNORINI);
+                pairs
+                    .iter_mut()
+                    .for_each(|pair| *pair = pair.interpolated(levels, level, prolongation));
+            }
+            self.enter(geometry, level, runs, &mut pairs);
             let most = self.target.counts.iter().map(|row| row[level]).max().unwrap_or(0);
             let (limit, tolerance) = (FREE_FACTOR * most + FREE_EXTRA, tolerance(level + 1));
             let is_last = held == Some(level + 1);
             let limit = |row: usize| if is_last { self.last(row, level) } else { limit };
             let limits = from_fn(|k| runs.get(k).map(|&(_, row)| limit(row)));
-            let done = self.iterate(level, limits, Some(pairs), |lanes, n, open| {
+            let done = self.iterate(level, limits, Some(&mut pairs), |lanes, n, open| {
                 let asked = n > uncounted;
                 lanes.within(measure, open.map(|open| (open && asked).then_some(tolerance)))
             });
@@ -253,9 +259,7 @@ impl Evaluator<'_> {
                 counts.push(end.count().map(|sweeps| sweeps - uncounted));
                 *delta_a = end.change();
             }
-            Ok::<(), Infallible>(())
-        };
-        let Ok(()) = run_nested(&nested, &mut pairs, on_level);
+        }
         ends
     }
 }

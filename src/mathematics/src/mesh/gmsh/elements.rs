@@ -50,45 +50,27 @@ pub(super) struct FileElements {
     pub(super) of_higher_order: [usize; 4],
     /// Number of triangles written as quadrangles with a node twice.
     pub(super) collapsed: usize,
-    /// Number of points, which mean nothing.
-    points: usize,
 }
 
-/// Outline of an element that is read.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Outline {
-    Point,
-    Line,
-    Triangle,
-    Quadrangle,
-    Tetrahedron,
-}
+/// Numbers of types of elements of one shape, each with the number of nodes.
+type Numbers = &'static [(i64, usize)];
 
-impl Outline {
-    fn dimension(self) -> usize {
-        match self {
-            Self::Point => 0,
-            Self::Line => 1,
-            Self::Triangle | Self::Quadrangle => 2,
-            Self::Tetrahedron => 3,
-        }
-    }
-
-    fn corners(self) -> usize {
-        match self {
-            Self::Point => 1,
-            Self::Line => 2,
-            Self::Triangle => 3,
-            Self::Quadrangle | Self::Tetrahedron => 4,
-        }
-    }
-}
+/// Types of elements that are read, to the third order, by the dimension and the number of corners of their shape: the
+/// numbers of the types in the manual of Gmsh, each with the number of nodes, of which the corners come first.
+const TYPES: [(usize, usize, Numbers); 5] = [
+    // Points mean nothing.
+    (0, 1, &[(15, 1)]),
+    (1, 2, &[(1, 2), (8, 3), (26, 4)]),
+    (2, 3, &[(2, 3), (9, 6), (20, 9), (21, 10)]),
+    (2, 4, &[(3, 4), (10, 9), (16, 8), (36, 16), (39, 12)]),
+    (3, 4, &[(4, 4), (11, 10), (29, 20), (32, 22), (137, 16)]),
+];
 
 /// Type of an element that is read.
 #[derive(Clone, Copy)]
 struct ElementType {
-    shape: Outline,
-    /// Number of nodes: the corners come first.
+    dimension: usize,
+    corners: usize,
     nodes: usize,
 }
 
@@ -180,8 +162,7 @@ impl FileElements {
             let groups = self.sets.position(entities.groups(dimension, entity));
             for _ in 0..count {
                 let head = ElementHead { tag: scanner.tag()?, number_of_type, groups };
-                let shape = self.add(scanner, nodes, head)?;
-                if shape.dimension() as i64 != dimension {
+                if self.add(scanner, nodes, head)? as i64 != dimension {
                     let fault = Fault::Dimension { element: head.tag, dimension };
                     return Err(scanner.fault(fault));
                 }
@@ -190,23 +171,20 @@ impl FileElements {
         Ok(())
     }
 
-    /// Reads the nodes of an element, and adds the element.
+    /// Reads the nodes of an element, and adds the element. Returns its dimension.
     fn add(
         &mut self,
         scanner: &mut Scanner<'_>,
         nodes: &FileNodes,
         head: ElementHead,
-    ) -> Result<Outline, GmshError> {
-        let ElementType { shape, nodes: count } =
+    ) -> Result<usize, GmshError> {
+        let ElementType { dimension, corners, nodes: count } =
             kind(head).map_err(|fault| scanner.fault(fault))?;
-        match shape {
-            Outline::Point => {
-                scanner.tag()?;
-                self.points += 1;
-            }
-            Outline::Line => self.lines.push(element(scanner, nodes, head)?),
-            Outline::Triangle => self.triangles.push(element(scanner, nodes, head)?),
-            Outline::Quadrangle => {
+        match (dimension, corners) {
+            (0, _) => _ = scanner.tag()?,
+            (1, _) => self.lines.push(element(scanner, nodes, head)?),
+            (2, 3) => self.triangles.push(element(scanner, nodes, head)?),
+            (2, _) => {
                 let quadrangle = element(scanner, nodes, head)?;
                 match quadrangle.collapsed() {
                     Some(triangle) => {
@@ -216,13 +194,13 @@ impl FileElements {
                     None => self.quadrangles.push(quadrangle),
                 }
             }
-            Outline::Tetrahedron => self.tetrahedra.push(element(scanner, nodes, head)?),
+            _ => self.tetrahedra.push(element(scanner, nodes, head)?),
         }
-        for _ in shape.corners()..count {
+        for _ in corners..count {
             position(scanner, nodes, head)?;
         }
-        self.of_higher_order[shape.dimension()] += usize::from(count > shape.corners());
-        Ok(shape)
+        self.of_higher_order[dimension] += usize::from(count > corners);
+        Ok(dimension)
     }
 }
 
@@ -250,29 +228,15 @@ fn position(
     nodes.position(node).ok_or_else(|| scanner.fault(missing))
 }
 
-/// Numbers of the types of one shape, to the third order, in the manual of Gmsh, each with the number of nodes.
-type Types = &'static [(i64, usize)];
-
-const LINES: Types = &[(1, 2), (8, 3), (26, 4)];
-const TRIANGLES: Types = &[(2, 3), (9, 6), (20, 9), (21, 10)];
-const QUADRANGLES: Types = &[(3, 4), (10, 9), (16, 8), (36, 16), (39, 12)];
-const TETRAHEDRA: Types = &[(4, 4), (11, 10), (29, 20), (32, 22), (137, 16)];
-
 /// Type of an element, by the number of its type in the manual of Gmsh.
 fn kind(head: ElementHead) -> Result<ElementType, Fault> {
-    for (shape, types) in [
-        (Outline::Line, LINES),
-        (Outline::Triangle, TRIANGLES),
-        (Outline::Quadrangle, QUADRANGLES),
-        (Outline::Tetrahedron, TETRAHEDRA),
-    ] {
+    for (dimension, corners, types) in TYPES {
         if let Some(&(_, nodes)) = types.iter().find(|(number, _)| *number == head.number_of_type) {
-            return Ok(ElementType { shape, nodes });
+            return Ok(ElementType { dimension, corners, nodes });
         }
     }
     let simplices = "mesh with tetrahedra only";
     let (is, remedy) = match head.number_of_type {
-        15 => return Ok(ElementType { shape: Outline::Point, nodes: 1 }),
         5 | 12 | 17 => ("is a hexahedron".into(), simplices),
         6 | 13 | 18 => ("is a prism".into(), simplices),
         7 | 14 | 19 => ("is a pyramid".into(), simplices),

@@ -1,6 +1,6 @@
 //! Words and numbers of a file, one after the other, in text or in bytes.
 
-use super::error::{BYTE_ORDER_MARK, Fault, FilePlace, GmshError, other_file};
+use super::error::{BYTE_ORDER_MARK, Fault, FilePlace, GmshError};
 use std::str::FromStr;
 
 /// Letters of a word that a message shows.
@@ -69,7 +69,7 @@ impl<'a> Scanner<'a> {
             match scanner.section() {
                 Ok(Some("MeshFormat")) => break,
                 Ok(Some("Comments")) => scanner.skip()?,
-                _ => return Err(GmshError::NoMeshFormat(other_file(bytes))),
+                _ => return Err(GmshError::NoMeshFormat),
             }
         }
         let version = scanner.word()?;

@@ -46,7 +46,7 @@ fn every_method_finds_the_solution_of_arrow_hurwicz() {
     for f in PROBLEMS {
         let (grid, load) = setting(f);
         let mut want = Pair::zero((grid, Law::SIGNORINI));
-        let outcome = arrow_hurwicz((grid, Law::SIGNORINI), &load, &tight(10.0), &mut want);
+        let outcome = solve((grid, Law::SIGNORINI), &load, &tight(10.0), &mut want);
         assert_eq!(outcome.end.stop, Stop::Converged);
         for r in [1.0, 10.0, 1e3, 1e6] {
             for (end, sweeps, pair) in both(grid, &load, &tight(r), 1.0) {
@@ -71,7 +71,7 @@ fn one_sweep_inside_is_arrow_hurwicz_to_the_last_bit() {
     let end =
         solve((grid, Law::SIGNORINI), &load, &Params { method: once, ..tight(3.0) }, &mut ours);
     let mut theirs = Pair::zero((grid, Law::SIGNORINI));
-    assert_eq!(end, arrow_hurwicz((grid, Law::SIGNORINI), &load, &tight(3.0), &mut theirs));
+    assert_eq!(end, solve((grid, Law::SIGNORINI), &load, &tight(3.0), &mut theirs));
     assert_eq!(end.end.sweeps(), end.end.iterations);
     assert_eq!(ours, theirs);
 }

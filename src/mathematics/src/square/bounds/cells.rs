@@ -2,11 +2,14 @@
 //! flux; here for cells at the boundary and at jumps of f, one by one.
 
 use super::flux::EdgeFluxes;
-use super::moments::{
-    BubbleLoad, CellLanes, CellMoments, LANES, difference, loop_over_fields, mean,
-};
-use std::array::from_fn;
+use super::moments::{BubbleLoad, CellMoments, difference, mean};
 use std::f64::consts::PI;
+
+/// Number of cells whose sums are formed side by side.
+pub(super) const LANES: usize = 16;
+
+/// One number for each of [`LANES`] cells.
+pub(super) type CellLanes = [f64; LANES];
 
 /// Sums over cells. Gradients are in units of differences, since in two dimensions h cancels.
 ///
@@ -29,7 +32,19 @@ pub(super) struct Sums<T = f64> {
     pub variance: T,
 }
 
-loop_over_fields!(Sums { distance, recovered, recovered_load, linear, linear_load, variance });
+impl<T> Sums<T> {
+    /// Calls `take` with each number and the same number of `other`.
+    #[inline(always)]
+    pub(super) fn each<U>(&mut self, other: &Sums<U>, take: impl Fn(&mut T, &U)) {
+        let Self { distance, recovered, recovered_load, linear, linear_load, variance } = self;
+        take(distance, &other.distance);
+        take(recovered, &other.recovered);
+        take(recovered_load, &other.recovered_load);
+        take(linear, &other.linear);
+        take(linear_load, &other.linear_load);
+        take(variance, &other.variance);
+    }
+}
 
 impl Sums {
     #[inline(always)]
@@ -50,16 +65,16 @@ impl Sums<CellLanes> {
 
 /// A cell at the boundary, or where f is not constant around it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct SpecialCell<T = f64> {
+pub(super) struct SpecialCell {
     /// Values on the lines of the two edges along x, and of the two along y: at their ends, and one node further at
     /// each end.
-    pub lines: [[[T; 4]; 2]; 2],
+    pub lines: [[[f64; 4]; 2]; 2],
     /// Coefficients of the bubbles on these edges.
-    pub bubbles: [[T; 2]; 2],
+    pub bubbles: [[f64; 2]; 2],
     /// Fluxes through the edges that f and its load require.
-    pub flux: EdgeFluxes<T>,
+    pub flux: EdgeFluxes,
     /// Moments of f.
-    pub f: CellMoments<T>,
+    pub f: CellMoments,
 }
 
 /// Half the sum of the second differences at the ends of an edge: twice the coefficient of its bubble if f is constant
@@ -137,19 +152,6 @@ impl SpecialCell {
     }
 }
 
-impl SpecialCell<CellLanes> {
-    /// Cell in lane `k`.
-    #[inline(always)]
-    pub(super) fn lane(&self, k: usize) -> SpecialCell {
-        SpecialCell {
-            lines: from_fn(|a| from_fn(|b| from_fn(|c| self.lines[a][b][c][k]))),
-            bubbles: from_fn(|a| from_fn(|b| self.bubbles[a][b][k])),
-            flux: self.flux.lane(k),
-            f: self.f.lane(k),
-        }
-    }
-}
-
 /// Differences on the two edges of a cell along one axis.
 #[derive(Clone, Copy)]
 struct Axis {
@@ -208,31 +210,20 @@ impl Axis {
 const SIXTH: f64 = 1.0 / 6.0;
 const TWELFTH: f64 = 1.0 / 12.0;
 
-/// A lane to which a cell is to be written.
-pub(super) struct CellSlot<'a> {
-    pub cells: &'a mut SpecialCell<CellLanes>,
-    pub lane: usize,
-}
-
-/// Special cells that are collected until all lanes are filled, and the sums over the cells before them.
+/// Special cells that are collected until there is one for each lane, and the sums over the cells before them.
 #[derive(Default)]
 pub(super) struct Batch {
     /// Number of cells in `cells`.
     filled: usize,
-    cells: SpecialCell<CellLanes>,
+    cells: [SpecialCell; LANES],
     sums: Sums<CellLanes>,
 }
 
 impl Batch {
-    /// Slot of the next cell.
+    /// Adds a cell to the batch.
     #[inline(always)]
-    pub(super) fn next(&mut self) -> CellSlot<'_> {
-        CellSlot { cells: &mut self.cells, lane: self.filled }
-    }
-
-    /// Adds the cell in the next slot to the batch.
-    #[inline(always)]
-    pub(super) fn push(&mut self) {
+    pub(super) fn push(&mut self, cell: &SpecialCell) {
+        self.cells[self.filled] = *cell;
         self.filled += 1;
         if self.filled == LANES {
             self.sum(LANES);
@@ -243,7 +234,7 @@ impl Batch {
     #[inline(always)]
     fn sum(&mut self, cells: usize) {
         for k in 0..cells {
-            self.sums.each(&self.cells.lane(k).sums(), |lanes, part| lanes[k] += part);
+            self.sums.each(&self.cells[k].sums(), |lanes, part| lanes[k] += part);
         }
         self.filled = 0;
     }
@@ -265,6 +256,7 @@ mod tests {
     use super::super::regular::Regular;
     use super::*;
     use crate::machine::simd::with_each;
+    use std::array::from_fn;
     use std::ops::Range;
 
     /// Number between -`size` and `size` that looks random.
@@ -355,15 +347,7 @@ mod tests {
                 flux: EdgeFluxes { left, right, bottom, top },
                 f: CellMoments { one, x, y, xy, xx, yy, xxy, xyy, ridge, square: 1e3 },
             };
-            let CellSlot { cells, lane } = batch.next();
-            for (axis, edge) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                let line = cell.lines[axis][edge];
-                (0..4).for_each(|node| cells.lines[axis][edge][node][lane] = line[node]);
-                cells.bubbles[axis][edge][lane] = cell.bubbles[axis][edge];
-            }
-            cells.flux.each(&cell.flux, |lanes, flux| lanes[lane] = *flux);
-            cells.f.each(&cell.f, |lanes, moment| lanes[lane] = *moment);
-            batch.push();
+            batch.push(&cell);
             expected.add(&cell.sums());
         }
         batch.flush();

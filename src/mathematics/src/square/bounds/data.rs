@@ -3,8 +3,8 @@
 use super::moments::CellMoments;
 use crate::discrete::cells::Cells;
 use crate::discrete::grid::Grid;
+use crate::discrete::quadrature::quadrature;
 use crate::problem::source::Source;
-use crate::square::load::radon;
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -134,7 +134,8 @@ impl<'a> AllCells<'a> {
         for triangle in
             [[[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5]], [[-0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]]
         {
-            for ([p, q], weight) in quadrature(triangle) {
+            for point in quadrature::<3>() {
+                let ([p, q], weight) = (point.within(triangle), 0.5 * point.weight);
                 let x: Vec<f64> = (0..n).map(|i| self.grid.coordinate(i) + (p + 0.5) * h).collect();
                 self.f.in_row(&x, self.grid.coordinate(j) + (q + 0.5) * h, &mut values);
                 for (sum, value) in sums.iter_mut().zip(&values) {
@@ -144,13 +145,6 @@ impl<'a> AllCells<'a> {
         }
         sums
     }
-}
-
-/// Radon's points on a triangle, with weights.
-fn quadrature([p, q, r]: [[f64; 2]; 3]) -> [([f64; 2], f64); 7] {
-    let area = 0.5 * ((q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]));
-    radon()
-        .map(|([a, b, c], weight)| ([0, 1].map(|d| a * p[d] + b * q[d] + c * r[d]), area * weight))
 }
 
 /// Integral of f over a row of cells.

@@ -1,7 +1,6 @@
 //! The equilibrated flux: reactions on the boundary, and the fluxes that f requires where it is not constant.
 
 use super::data::{AllCells, ColumnSpan, Cursor, MomentRun, find_seams};
-use super::moments::loop_over_fields;
 use crate::bounds::boundary::{BoundaryPart, PartLaw, Slips, shift_to_sum};
 use crate::discrete::grid::Grid;
 use crate::problem::law::Law;
@@ -199,23 +198,11 @@ fn masses(row: &mut Cursor, cell: usize) -> Option<[f64; 4]> {
 
 /// Fluxes through the edges of a cell, in the direction of x or y.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct EdgeFluxes<T = f64> {
-    pub left: T,
-    pub right: T,
-    pub bottom: T,
-    pub top: T,
-}
-
-loop_over_fields!(EdgeFluxes { left, right, bottom, top });
-
-impl<const N: usize> EdgeFluxes<[f64; N]> {
-    /// Fluxes in lane `k`.
-    #[inline(always)]
-    pub(super) fn lane(&self, k: usize) -> EdgeFluxes {
-        let mut fluxes = EdgeFluxes::default();
-        fluxes.each(self, |flux, lanes| *flux = lanes[k]);
-        fluxes
-    }
+pub(super) struct EdgeFluxes {
+    pub left: f64,
+    pub right: f64,
+    pub bottom: f64,
+    pub top: f64,
 }
 
 impl EdgeFluxes {

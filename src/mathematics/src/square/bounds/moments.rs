@@ -1,59 +1,24 @@
-//! Moments of the right-hand side over a cell, and numbers of several cells side by side: structs of numbers, which
-//! also hold an array in the place of each number.
+//! Moments of the right-hand side over a cell.
 
 use crate::discrete::cells::{SweepCut, bilinear};
 use crate::discrete::grid::Grid;
 
-/// Number of cells whose sums are formed side by side.
-pub(super) const LANES: usize = 16;
-
-/// One number for each of [`LANES`] cells.
-pub(super) type CellLanes = [f64; LANES];
-
-/// Gives a struct with these fields, which are all, a method for loops over them.
-macro_rules! loop_over_fields {
-    ($name:ident { $($field:ident),+ }) => {
-        impl<T> $name<T> {
-            /// Calls `take` with each number and the same number of `other`.
-            #[inline(always)]
-            pub(super) fn each<U>(&mut self, other: &$name<U>, take: impl Fn(&mut T, &U)) {
-                let Self { $($field: _),+ } = self;
-                $(take(&mut self.$field, &other.$field);)+
-            }
-        }
-    };
-}
-
-pub(super) use loop_over_fields;
-
 /// Integrals over one cell of f times polynomials in X and Y, coordinates from -1/2 to 1/2 in the cell.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct CellMoments<T = f64> {
-    pub one: T,
-    pub x: T,
-    pub y: T,
-    pub xy: T,
-    pub xx: T,
-    pub yy: T,
-    pub xxy: T,
-    pub xyy: T,
+pub(super) struct CellMoments {
+    pub one: f64,
+    pub x: f64,
+    pub y: f64,
+    pub xy: f64,
+    pub xx: f64,
+    pub yy: f64,
+    pub xxy: f64,
+    pub xyy: f64,
     /// Integral of f times the ridge `min(x, y) (1 - max(x, y))`, `x = X + 1/2`, `y = Y + 1/2`: the piecewise linear
     /// function on triangles less the bilinear one, where the mixed second difference over the cell is 1.
-    pub ridge: T,
+    pub ridge: f64,
     /// Integral of the square of f, times `h^2`.
-    pub square: T,
-}
-
-loop_over_fields!(CellMoments { one, x, y, xy, xx, yy, xxy, xyy, ridge, square });
-
-impl<const N: usize> CellMoments<[f64; N]> {
-    /// Moments in lane `k`.
-    #[inline(always)]
-    pub(super) fn lane(&self, k: usize) -> CellMoments {
-        let mut moments = CellMoments::default();
-        moments.each(self, |moment, lanes| *moment = lanes[k]);
-        moments
-    }
+    pub square: f64,
 }
 
 impl CellMoments {

@@ -1,7 +1,6 @@
 //! Sums over regular cells, that is cells in and around which f has one value.
 
-use super::cells::Sums;
-use super::moments::{CellLanes, LANES};
+use super::cells::{CellLanes, LANES, Sums};
 use std::ops::Range;
 
 /// Sums over regular cells, in units that [`take`](Self::take) converts.

@@ -1,10 +1,10 @@
 //! The surroundings of a row of cells: the nodal vector, continued beyond the boundary, the fluxes that f and its load
 //! require, and the recovery on one edge and on one cell.
 
-use super::cells::{CellSlot, SpecialCell, second};
+use super::cells::{LANES, SpecialCell, second};
 use super::data::{ColumnSpan, MomentRun};
-use super::flux::{EdgeFluxes, NodeFluxes, Reactions, through_edges};
-use super::moments::{CellMoments, LANES, mean};
+use super::flux::{NodeFluxes, Reactions, through_edges};
+use super::moments::{CellMoments, mean};
 use crate::bounds::boundary::limit_bubble;
 use crate::discrete::grid::Grid;
 
@@ -59,30 +59,23 @@ impl<'a> FluxStrip<'a> {
         [[j == 0, j == last], [i == 0, i == last]]
     }
 
-    /// Sets a lane to cell (i, j), over which f has the moments `f`. Returns the mean of the residual times `h^2`.
+    /// Cell (i, j), over which f has the moments `f`, and the mean of the residual times `h^2`.
     #[inline(always)]
-    pub(super) fn set(&self, slot: CellSlot, [i, j]: [usize; 2], f: CellMoments) -> f64 {
-        let CellSlot { cells, lane } = slot;
+    pub(super) fn cell(&self, [i, j]: [usize; 2], f: CellMoments) -> (SpecialCell, f64) {
         let (lines, on_boundary) = (self.v.around(i, j), self.on_boundary(i, j));
         let seconds = lines.map(|lines| lines.map(second));
         let (flux, bends) = match self.fluxes.iter().any(|row| !row.seams.is_empty()) {
             true => (through_edges(&self.fluxes[1], &self.fluxes[2], i), self.bends(i, j)),
             false => Default::default(),
         };
-        for axis in 0..2 {
-            for k in 0..2 {
-                let (line, bubble) = (lines[axis][k], 0.5 * seconds[axis][k] + bends[axis][k]);
-                let ends = [line[1], line[2]];
-                cells.bubbles[axis][k][lane] =
-                    if on_boundary[axis][k] { limit_bubble(bubble, ends) } else { bubble };
-                (0..4).for_each(|node| cells.lines[axis][k][node][lane] = line[node]);
-            }
+        let mut bubbles = [[0.0; 2]; 2];
+        for (axis, k) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let ([_, p, q, _], bubble) = (lines[axis][k], 0.5 * seconds[axis][k] + bends[axis][k]);
+            bubbles[axis][k] =
+                if on_boundary[axis][k] { limit_bubble(bubble, [p, q]) } else { bubble };
         }
-        let EdgeFluxes { left, right, bottom, top } = flux;
-        cells.flux.each(&flux, |lanes, flux| lanes[lane] = *flux);
-        cells.f.each(&f, |lanes, moment| lanes[lane] = *moment);
-        let [x, y] = seconds.map(mean);
-        f.one + (x + y) + (right - left) + (top - bottom)
+        let ([x, y], [along, up]) = (seconds.map(mean), flux.changes());
+        (SpecialCell { lines, bubbles, flux, f }, f.one + (x + y) + along + up)
     }
 
     /// Contribution of the fluxes that f requires to the bubbles of cell (i, j) along both axes: half the change of

@@ -1,6 +1,6 @@
 //! The sweep over the cells: one pass over the vector, row by row.
 
-use super::cells::{Batch, CellSlot, SpecialCell, Sums};
+use super::cells::{Batch, SpecialCell, Sums};
 use super::data::{AllCells, ColumnSpan, Cursor, MomentRun};
 use super::flux::Reactions;
 use super::moments::CellMoments;
@@ -196,19 +196,17 @@ impl<'a> CellSweep<'a> {
     /// residual times `h^2`.
     #[inline(always)]
     fn add_special(&mut self, i: usize, j: usize, f: CellMoments) -> f64 {
-        let residual = self.strip.set(self.batch.next(), [i, j], f);
+        let (cell, residual) = self.strip.cell([i, j], f);
         self.total.mass += f.square.sqrt();
         if self.strip.on_boundary(i, j).as_flattened().contains(&true) {
-            self.add_reactions(i, j);
+            self.add_reactions(&cell, i, j);
         }
-        self.batch.push();
+        self.batch.push(&cell);
         residual
     }
 
     /// Adds the contribution of the reactions on the edges of cell (i, j) to the sums.
-    fn add_reactions(&mut self, i: usize, j: usize) {
-        let CellSlot { cells, lane } = self.batch.next();
-        let cell = cells.lane(lane);
+    fn add_reactions(&mut self, cell: &SpecialCell, i: usize, j: usize) {
         let on_boundary = self.strip.on_boundary(i, j);
         let Reactions { left, right, bottom, top, .. } = self.strip.v.reactions;
         let reactions = [[&bottom[i..], &top[i..]], [&left[j..], &right[j..]]];
@@ -228,11 +226,9 @@ impl<'a> CellSweep<'a> {
     fn write_recovered(&mut self, j: usize) {
         let Some(out) = self.recovered.take() else { return };
         let side = 2 * self.grid.cells() + 1;
-        let mut cells = SpecialCell::default();
         for i in 0..self.grid.cells() {
-            let slot = CellSlot { cells: &mut cells, lane: 0 };
-            self.strip.set(slot, [i, j], CellMoments::default());
-            for (k, values) in values(&cells.lane(0)).iter().enumerate() {
+            let (cell, _) = self.strip.cell([i, j], CellMoments::default());
+            for (k, values) in values(&cell).iter().enumerate() {
                 let start = (2 * j + k) * side + 2 * i;
                 out[start..start + 3].copy_from_slice(values);
             }

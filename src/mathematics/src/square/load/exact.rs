@@ -4,6 +4,7 @@ use super::by_rows;
 use crate::discrete::cells::{Cells, Moments, bilinear};
 use crate::discrete::grid::Grid;
 use crate::discrete::load::Diagonal;
+use crate::discrete::quadrature::{QuadraturePoint, quadrature};
 use crate::problem::source::Source;
 
 /// Contribution of a row of cells to the load: the value of f on each cell, and for those where it is not
@@ -20,6 +21,7 @@ type Corners = [f64; 4];
 /// The load vector of `f`: for hats that are linear on triangles cut by a diagonal, or bilinear on squares.
 pub(super) fn exact(grid: Grid, f: &Source, diagonal: Option<Diagonal>) -> Vec<f64> {
     let (n, side, h) = (grid.cells(), grid.side(), grid.h());
+    let points = quadrature();
     by_rows(grid, |first, block| {
         let mut cells = match f {
             Source::Pieces { background, pieces } => Some(Cells::new(grid, *background, pieces)),
@@ -30,7 +32,8 @@ pub(super) fn exact(grid: Grid, f: &Source, diagonal: Option<Diagonal>) -> Vec<f
             row.cut.clear();
             match &mut cells {
                 None => {
-                    row.cut.extend((0..n).map(|i| (i, smooth_corners(grid, f, diagonal, [i, j]))));
+                    let corners = |i| (i, smooth_corners(grid, f, diagonal, &points, [i, j]));
+                    row.cut.extend((0..n).map(corners));
                 }
                 Some(cells) => {
                     let HatRow { values, cut } = row;
@@ -119,6 +122,7 @@ fn smooth_corners(
     grid: Grid,
     f: &Source,
     diagonal: Option<Diagonal>,
+    points: &[QuadraturePoint<3>],
     [i, j]: [usize; 2],
 ) -> Corners {
     let at = |k: usize| [grid.coordinate(i + (k & 1)), grid.coordinate(j + (k >> 1))];
@@ -128,10 +132,10 @@ fn smooth_corners(
     };
     let mut corners = [0.0; 4];
     for triangle in triangles {
-        let [p, q, r] = triangle.map(at);
-        for (hats, weight) in radon() {
-            let [x, y] = [0, 1].map(|d| hats[0] * p[d] + hats[1] * q[d] + hats[2] * r[d]);
-            let mass = 0.5 * weight * f.at([x, y]);
+        let vertices = triangle.map(at);
+        for point in points {
+            let hats = point.barycentric;
+            let mass = 0.5 * point.weight * f.at(point.within(vertices));
             let mut add = |k: usize, hat: f64| corners[k] += mass * hat;
             match diagonal {
                 Some(_) => triangle.into_iter().zip(hats).for_each(|(k, hat)| add(k, hat)),
@@ -149,17 +153,4 @@ fn smooth_corners(
         }
     }
     corners
-}
-
-/// Radon's seven points in a triangle, in barycentric coordinates, and their weights: exact for degree 5
-/// (Stroud, T2:5-1).
-pub(crate) fn radon() -> [([f64; 3], f64); 7] {
-    let root = 15f64.sqrt();
-    let mut points = [([1.0 / 3.0; 3], 9.0 / 40.0); 7];
-    for (k, sign) in [(1, -1.0), (4, 1.0)] {
-        let (s, w) = ((6.0 + sign * root) / 21.0, (155.0 + sign * root) / 1200.0);
-        let t = 1.0 - 2.0 * s;
-        points[k..][..3].copy_from_slice(&[([t, s, s], w), ([s, t, s], w), ([s, s, t], w)]);
-    }
-    points
 }

@@ -72,10 +72,6 @@ impl Coarsest {
         }
     }
 
-    pub(super) fn bytes(&self) -> usize {
-        self.direct.bytes() + size_of::<f64>() * self.x.len()
-    }
-
     /// Factors the matrix with the springs of the level, made symmetric by the shares of the nodes. Returns the work in
     /// visits of unknowns.
     pub(super) fn factor(&mut self, level: &MultigridLevel) -> f64 {

@@ -115,7 +115,6 @@ impl Multigrid {
         self.levels[l].values[Black as usize].copy_from_slice(&before);
         let nodes = self.levels[l].nodes as f64;
         self.count(SEARCHED_PARTS.len() as f64 * nodes);
-        self.move_bytes(16.0 * SEARCHED_PARTS.len() as f64 * nodes);
         best
     }
 
@@ -181,7 +180,6 @@ impl Multigrid {
         rows::for_each(&mut level.values, |value| *value -= zero);
         let (nodes, has_limit) = (level.nodes as f64, level.limit.is_finite());
         self.count(0.25 * nodes);
-        self.move_bytes(16.0 * nodes);
         if has_limit {
             // Where values have changed their sign, so has the flux: the residual is another one.
             self.pass_under_law(l, &[Relax(Red, 1.0), Relax(Black, 1.0), Restrict]);
@@ -202,7 +200,6 @@ impl Multigrid {
         let natural = pass::run(&mut fine[0], &mut coarse[l - 1], problem, stages);
         let nodes = self.levels[l].nodes as f64;
         self.count(pass::work(stages) * nodes);
-        self.move_bytes(pass::traffic(stages) * nodes);
         natural
     }
 

@@ -50,15 +50,6 @@ impl MultigridLevel {
         self.buffers.resize_with(blocks.max(self.buffers.len()), || Buffers::new(n));
     }
 
-    /// Memory that one thread needs, in bytes.
-    pub(super) fn bytes(&self) -> usize {
-        let halves = self.values.iter().chain(&self.load).map(|half| size_of_val(&half[..]));
-        let buffers = self.buffers.first().map(Buffers::bytes);
-        halves.chain(buffers).sum::<usize>()
-            + size_of_val(&self.inverse_diagonal[..])
-            + self.in_contact.len()
-    }
-
     /// Value at node `k` in natural order.
     pub(super) fn value(&self, k: usize) -> f64 {
         let Location { colour, place } = Location::of_node(self.n, k);

@@ -6,7 +6,7 @@ use super::level::MultigridLevel;
 use super::rows::{
     ColourRows, GridRow, LINE, MIN_PLACES, as_slices, deinterleave, long_and_short, stride,
 };
-use super::transfer::{FineLoad, weigh_load};
+use super::transfer::weigh_load;
 use crate::discrete::load_stats::LoadStats;
 use crate::machine::extremes::max_or_nan;
 use crate::machine::simd::{Largest, vectorised};
@@ -15,64 +15,33 @@ use std::ops::Range;
 
 /// Sets the load of a grid from `F` in natural order, divided by the shares of the nodes.
 pub(super) fn set_finest(natural: &[f64], level: &mut MultigridLevel) -> LoadStats {
-    let (n, MultigridLevel { load: [red, black], .. }) = (level.n, level);
-    set_rows(n, 0..n + 1, natural, [red, black]);
-    LoadStats::measure(natural)
-}
-
-/// Sets the load of a grid as [`set_finest`], and that of the next coarser grid by full weighting while the load of
-/// the finer one is in the cache.
-pub(super) fn set_finest_two(
-    natural: &[f64],
-    fine: &mut MultigridLevel,
-    coarse: &mut MultigridLevel,
-) -> LoadStats {
-    let (n, coarse_n) = (fine.n, coarse.n);
-    let places = stride(n);
-    let rows = rows_per_task(coarse_n);
-    let fine = chunks(&mut fine.load, 2 * rows * places);
-    let coarse_chunks = chunks(&mut coarse.load, rows * stride(coarse_n));
-    let parts = fine.zip(coarse_chunks).enumerate();
-    let parts = parts.map(|(part, ((red, black), (coarse_red, coarse_black)))| {
-        let first = 2 * rows * part;
-        let own = first..first + red.len() / places;
-        let mut row = vec![0.0; n / 2 + 1];
-        // The row before, which the first row of the coarser grid also needs.
-        let before_places = if first > 0 { places } else { 0 };
-        let mut before = [vec![0.0; before_places], vec![0.0; before_places]];
+    let (n, places) = (level.n, stride(level.n));
+    let rows = 2 * rows_per_task(n / 2);
+    let parts = chunks(&mut level.load, rows * places).enumerate();
+    let stats = parts.map(|(part, (red, black))| {
+        let own = rows * part..rows * part + red.len() / places;
         vectorised(
             #[inline(always)]
             || {
-                let [before_red, before_black] = &mut before;
-                if first > 0 {
-                    set_rows(n, first - 1..first, natural, [before_red, before_black]);
-                }
                 set_rows(n, own.clone(), natural, [red, black]);
-                let rows = [&*red, &*black];
-                let fine = FineLoad { rows, first, before: [before_red, before_black] };
-                let coarse = [coarse_red, coarse_black];
-                let largest = weigh_rows(n / 2, &fine, first / 2, coarse, &mut row);
-                let natural = &natural[own.start * (n + 1)..own.end * (n + 1)];
-                (LoadStats::measure(natural), largest)
+                LoadStats::measure(&natural[own.start * (n + 1)..own.end * (n + 1)])
             },
         )
     });
-    let (stats, largest): (Vec<_>, Vec<_>) = parts.unzip();
-    coarse.load_scale = largest.into_iter().fold(0.0, max_or_nan);
-    LoadStats::join(&stats)
+    LoadStats::join(&stats.collect::<Vec<_>>())
 }
 
 /// Sets the load of the coarser grid by full weighting of the load of the finer one.
 pub(super) fn restrict(fine: &MultigridLevel, coarse: &mut MultigridLevel) {
     let n = coarse.n;
     let rows = rows_per_task(n);
-    let fine = FineLoad { rows: as_slices(&fine.load), first: 0, before: [&[]; 2] };
+    let fine = as_slices(&fine.load);
     let parts = chunks(&mut coarse.load, rows * stride(n)).enumerate();
     let largest = parts.map(|(part, (red, black))| {
         let mut row = vec![0.0; n + 1];
         vectorised(
             #[inline(always)]
-            || weigh_rows(n, &fine, part * rows, [red, black], &mut row),
+            || weigh_rows(n, fine, part * rows, [red, black], &mut row),
         )
     });
     coarse.load_scale = largest.reduce(|| 0.0, max_or_nan);
@@ -137,7 +106,7 @@ fn set_rows(n: usize, rows: Range<usize>, natural: &[f64], [red, black]: [&mut [
 #[inline(always)]
 fn weigh_rows(
     n: usize,
-    fine: &FineLoad,
+    fine: [&[f64]; 2],
     first: usize,
     [red, black]: [&mut [f64]; 2],
     row: &mut [f64],

@@ -51,10 +51,6 @@ impl Stage {
             Stage::Restrict => 0.75,
         }
     }
-
-    fn reads_or_writes_coarser_grid(self) -> bool {
-        matches!(self, Stage::Interpolate | Stage::Correct(_) | Stage::Restrict)
-    }
 }
 
 /// Number of stages of the longest pass.
@@ -70,21 +66,6 @@ pub(super) const RESTRICT_LOAD: f64 = 0.5;
 /// Work of a pass in sweeps of its own grid.
 pub(super) fn work(stages: &[Stage]) -> f64 {
     stages.iter().map(|stage| stage.work()).sum()
-}
-
-/// Bytes per node of its own grid that a pass moves if it reads and writes every row once.
-///
-/// Red values are never read: each pass begins with a half-sweep that replaces them. Black values that the first
-/// stage replaces are not read either. Most processors fetch a cache line before it is overwritten; that is not
-/// counted.
-pub(super) fn traffic(stages: &[Stage]) -> f64 {
-    let black = match stages.first() {
-        Some(Stage::Interpolate | Stage::StartRed(_)) => 0.0,
-        _ => 4.0,
-    };
-    let (values, load, coarse) = (8.0, 8.0, 2.0);
-    let transfers = stages.iter().filter(|stage| stage.reads_or_writes_coarser_grid()).count();
-    black + values + load + coarse * transfers as f64
 }
 
 /// Problem of which the values of a grid are the unknowns.

@@ -252,10 +252,4 @@ impl Buffers {
         let [even, odd, row] = [(); 3].map(|()| vec![0.0; n / 2 + 1]);
         Self { residuals, even, odd, row }
     }
-
-    /// Memory in bytes.
-    pub(super) fn bytes(&self) -> usize {
-        let all = self.residuals.iter().chain([&self.even, &self.odd, &self.row]);
-        all.map(|numbers| size_of_val(&numbers[..])).sum()
-    }
 }

@@ -53,8 +53,7 @@ impl Multigrid {
         params: &MultigridParams,
     ) -> Result<End, InputError> {
         among_threads(self.finest().nodes, || {
-            // The load is read in natural order and written in red and black rows, the solution the other way round.
-            (self.work_units, self.traffic) = (0.0, 32.0);
+            self.work_units = 0.0;
             let laws = LawSum::of(law, Grid::PERIMETER);
             self.one_sided = OneSided::new(&laws, load)?;
             let mut run =
@@ -96,12 +95,8 @@ impl Multigrid {
     /// Sets the scaled loads of all grids.
     fn set_load(&mut self, load: &[f64], law: Law) -> Result<(), InputError> {
         let finest = self.levels.len() - 1;
-        let (coarser, top) = self.levels.split_at_mut(finest);
-        let top = &mut top[0];
-        let stats = match coarser.last_mut() {
-            Some(coarse) => load::set_finest_two(load, top, coarse),
-            None => load::set_finest(load, top),
-        };
+        let top = &mut self.levels[finest];
+        let stats = load::set_finest(load, top);
         check_load(&[loaded_square(law, &stats)])?;
         self.needed = -stats.sum();
         self.scale = stats.scale();
@@ -111,13 +106,8 @@ impl Multigrid {
             let (coarse, fine) = self.levels.split_at_mut(l);
             let (fine, coarse) = (&fine[0], &mut coarse[l - 1]);
             let nodes = fine.nodes as f64;
-            let set_with_the_finest = l == finest && self.scale == 1.0;
-            if !set_with_the_finest {
-                load::restrict(fine, coarse);
-            }
+            load::restrict(fine, coarse);
             self.count(pass::RESTRICT_LOAD * nodes);
-            let read = if set_with_the_finest { 0.0 } else { 8.0 };
-            self.move_bytes((read + 2.0) * nodes);
         }
         Ok(())
     }
@@ -127,18 +117,12 @@ impl Multigrid {
         let coarse = &self.levels[self.levels.len() - 2];
         let (norm, nodes) = (load::norm(coarse), coarse.nodes as f64);
         self.count(nodes / MULTIPLICATIONS_PER_VISIT);
-        self.move_bytes(8.0 * nodes);
         norm
     }
 
     /// Adds visits of unknowns to the work units.
     pub(super) fn count(&mut self, visits: f64) {
         self.work_units += visits / self.finest().nodes as f64;
-    }
-
-    /// Adds bytes to the traffic.
-    pub(super) fn move_bytes(&mut self, bytes: f64) {
-        self.traffic += bytes / self.finest().nodes as f64;
     }
 
     pub(super) fn finest(&self) -> &MultigridLevel {
@@ -148,7 +132,6 @@ impl Multigrid {
     /// Natural residual of all nodes.
     fn natural_residual(&mut self) -> f64 {
         self.work_units += 1.0;
-        self.traffic += 16.0;
         pass::natural_residual(self.finest())
     }
 }
@@ -235,7 +218,6 @@ impl Hierarchy for SquareRun<'_> {
 
     fn rounding(&mut self) -> f64 {
         self.grids.work_units += 0.25;
-        self.grids.traffic += 8.0;
         f64::EPSILON * self.grids.finest().max_abs()
     }
 

@@ -61,8 +61,6 @@ impl Boundary<'_> {
     #[inline(always)]
     pub(super) fn relax(self, node: BoundaryNode, sum: f64) -> f64 {
         match self {
-            // Without a limit no node slips down, and the general formulas would take longer for the same bits.
-            Boundary::Law { limit: f64::INFINITY } => (sum * INVERSE).max(0.0),
             Boundary::Law { limit } => {
                 let (up, down) = (sum, sum + node.limit(limit));
                 (up * INVERSE).max((down * INVERSE).min(0.0))
@@ -74,13 +72,6 @@ impl Boundary<'_> {
     #[inline(always)]
     fn residual(self, node: BoundaryNode, value: f64, sum: f64) -> BoundaryResidual {
         match self {
-            Boundary::Law { limit: f64::INFINITY } => {
-                let residual = sum - DIAGONAL * value;
-                let natural = value.min(-residual * node.share).abs();
-                let in_contact = value == 0.0 && residual <= 0.0;
-                let truncated = if in_contact { 0.0 } else { residual };
-                BoundaryResidual { truncated, natural, in_contact }
-            }
             Boundary::Law { limit } => {
                 let up = sum - DIAGONAL * value;
                 let down = up + node.limit(limit);

@@ -111,11 +111,11 @@ impl Buffers {
         };
         let middle = 2 * emitted;
         let [below, above] = mirrored(n, middle);
-        let residuals = [below, middle, above].map(|j| &self.residuals[j % 3][..]);
+        let residuals = [middle, below, above].map(|j| &self.residuals[j % 3][..]);
         let stride = stride(n / 2);
         let own =
             (emitted - coarse_load.first) * stride..(emitted - coarse_load.first + 1) * stride;
-        weigh_residuals(residuals, &mut self.row);
+        weigh_red(&mut self.row, residuals);
         let halves = [&mut coarse_load.red[own.clone()], &mut coarse_load.black[own]];
         let [long, short] = long_and_short(emitted, halves);
         deinterleave(&self.row, long, short);
@@ -172,45 +172,18 @@ fn set_sum(sum: &mut [f64], first: &[f64], second: &[f64]) {
     pairs.zip(first).for_each(|((sum, second), first)| *sum = first + second);
 }
 
-/// Red and black load of some rows of the finer grid.
-#[derive(Clone, Copy)]
-pub(super) struct FineLoad<'a> {
-    /// Red and black rows from `first` on.
-    pub(super) rows: [&'a [f64]; 2],
-    pub(super) first: usize,
-    /// The red and the black row before `first`, or empty slices if no row there is needed.
-    pub(super) before: [&'a [f64]; 2],
-}
-
-impl<'a> FineLoad<'a> {
-    /// A row of one colour.
-    #[inline(always)]
-    fn row(&self, colour: Colour, row: GridRow) -> &'a [f64] {
-        if row.j < self.first {
-            return self.before[colour as usize];
-        }
-        row.of(self.rows[colour as usize], self.first)
-    }
-}
-
-/// Sets `row`, a row of the coarser grid in natural order, to the full weighting of red residuals.
-///
-/// `residuals` are the fine rows below, at and above the coarse row, mirrored at the boundary.
+/// Sets `row`, row `at` of the coarser grid in natural order, to the full weighting of the red and black load.
 #[inline(always)]
-pub(super) fn weigh_residuals([below, middle, above]: [&[f64]; 3], row: &mut [f64]) {
-    weigh_red(row, [middle, below, above]);
-}
-
-/// Sets `row`, row `at` of the coarser grid in natural order, to the full weighting of the load of both colours.
-#[inline(always)]
-pub(super) fn weigh_load(at: GridRow, load: &FineLoad, row: &mut [f64]) {
+pub(super) fn weigh_load(at: GridRow, [red, black]: [&[f64]; 2], row: &mut [f64]) {
     let (n, middle) = (2 * at.n, 2 * at.j);
     let [below, above] = mirrored(n, middle);
     let rows = [middle, below, above].map(|j| GridRow { n, j });
-    weigh_red(row, rows.map(|row| load.row(Colour::Red, row)));
-    weigh_black(row, rows.map(|row| load.row(Colour::Black, row)));
+    weigh_red(row, rows.map(|row| row.of(red, 0)));
+    weigh_black(row, rows.map(|row| row.of(black, 0)));
 }
+
 /// Sets a coarse row to the red part of full weighting: the node itself and a quarter of its four diagonal neighbours.
+/// The fine rows at, below and above the coarse row are mirrored at the boundary.
 #[inline(always)]
 fn weigh_red(coarse: &mut [f64], [middle, lower, upper]: [&[f64]; 3]) {
     let half = coarse.len() - 1;

@@ -24,8 +24,6 @@ pub struct Multigrid {
     /// Norm of the load on the finest grid but one, before a residual takes its place.
     pub(super) coarse_load: f64,
     pub(super) work_units: f64,
-    /// Bytes moved, per unknown of the finest grid.
-    pub(super) traffic: f64,
 }
 
 /// Contact set from which the springs of the coarser grids were made.
@@ -54,22 +52,7 @@ impl Multigrid {
             scale: 1.0,
             coarse_load: 0.0,
             work_units: 0.0,
-            traffic: 0.0,
         })
-    }
-
-    /// Memory that one thread needs, in bytes. Each further thread takes a few rows.
-    pub fn bytes(&self) -> usize {
-        let levels: usize = self.levels.iter().map(MultigridLevel::bytes).sum();
-        levels + self.springs.in_contact.len() + self.coarsest.bytes()
-    }
-
-    /// Bytes per unknown that the passes of the last solve and one [`Multigrid::write_solution`] move together, if each
-    /// reads and writes every row once.
-    ///
-    /// On grids too large for the caches, this number over the bandwidth of the memory is a lower bound of the time.
-    pub fn traffic(&self) -> f64 {
-        self.traffic
     }
 }
 

@@ -3,8 +3,8 @@
 use super::{EXACT, noise};
 use crate::bounds::Bounds;
 use crate::discrete::grid::Grid;
+use crate::discrete::kkt::judge;
 use crate::discrete::load::LoadRule;
-use crate::discrete::stiffness::energy;
 use crate::multigrid::MultigridParams;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
@@ -110,7 +110,7 @@ fn spoilt(grid: Grid, y: &[f64]) -> Vec<Vec<f64>> {
 /// Distance of two vectors in the energy norm.
 pub(super) fn distance(grid: Grid, one: &[f64], other: &[f64]) -> f64 {
     let apart: Vec<f64> = one.iter().zip(other).map(|(a, b)| a - b).collect();
-    (2.0 * energy(grid, &apart, &vec![0.0; apart.len()])).max(0.0).sqrt()
+    (2.0 * judge((grid, Law::SIGNORINI), &apart, &vec![0.0; apart.len()]).energy).max(0.0).sqrt()
 }
 
 #[test]
@@ -147,7 +147,7 @@ fn errors_of_solutions_are_known_where_the_boundary_sticks_and_bounds_are_near_t
             let grid = Grid::new(n).unwrap();
             let y = solved(grid, &f, law);
             assert!(grid.boundary().all(|node| y[node] == 0.0), "{text} {law}");
-            let of_v = energy(grid, &y, &load(grid, &f, EXACT));
+            let of_v = judge((grid, Law::SIGNORINI), &y, &load(grid, &f, EXACT)).energy;
             let error = (2.0 * (of_v - TORSION)).sqrt();
             let found = bounds(grid, &f, law, &y).unwrap();
             let Bounds { energy: [low, high], error: [least, most], recovered, .. } = found;

@@ -3,7 +3,7 @@
 use super::{EXACT, grids, laws, sources, vector};
 use crate::bounds::boundary::Slips;
 use crate::discrete::grid::Grid;
-use crate::discrete::stiffness::energy;
+use crate::discrete::kkt::judge;
 use crate::problem::law::Law;
 use crate::square::bounds::cells::SpecialCell;
 use crate::square::bounds::data::AllCells;
@@ -110,7 +110,7 @@ fn a_sweep_has_the_integrals_of_the_vector_and_of_its_recovery() {
             let [without, load_without] = inside(&cells_of(grid, &recovered, &data, false));
             let gain = 0.5 * (without - square) - (load_without - load_of_w);
             assert!(close(found.boundary_bubble_gain, gain, 1e-11), "{what}: {gain}");
-            let linear = 2.0 * energy(grid, &v, &vec![0.0; v.len()]);
+            let linear = 2.0 * judge((grid, Law::SIGNORINI), &v, &vec![0.0; v.len()]).energy;
             assert!(close(found.sums.linear, linear, 1e-11), "{what}: {linear}");
             let exact = load(grid, f, EXACT);
             let linear_load: f64 = v.iter().zip(exact).map(|(v, load)| v * load).sum();

@@ -5,7 +5,6 @@ use crate::bounds::boundary::Slips;
 use crate::discrete::grid::Grid;
 use crate::discrete::load::{Diagonal, LoadRule};
 use crate::problem::source::Source;
-use crate::square::bounds::cells::{CellSlot, SpecialCell};
 use crate::square::bounds::data::{AllCells, Cursor};
 use crate::square::bounds::flux::{EdgeFluxes, NodeFluxes, Reactions, through_edges};
 use crate::square::bounds::moments::CellMoments;
@@ -205,8 +204,8 @@ fn edges_have_one_flux_none_is_on_the_boundary_and_where_there_are_some_cells_ar
                 let has_flux = [left, right, bottom, top].iter().any(|flux| *flux != 0.0);
                 assert!(is_special || !(on_boundary || has_flux), "{f} {i} {j}");
                 // Without a vector the residual is what f leaves.
-                let (f_here, mut cells) = (moments_of(&data, [i, j]), SpecialCell::default());
-                let mean = strip.set(CellSlot { cells: &mut cells, lane: 0 }, [i, j], f_here);
+                let f_here = moments_of(&data, [i, j]);
+                let (_, mean) = strip.cell([i, j], f_here);
                 let divergence = (right - left) + (top - bottom);
                 assert!((mean - f_here.one - divergence).abs() < 1e-14, "{f} {i} {j}");
                 let has_bends = strip.bends(i, j).as_flattened().iter().any(|bend| *bend != 0.0);
