@@ -114,7 +114,7 @@ impl<const D: usize, const V: usize> TestProblem<D, V> {
 
     /// The problem with a law on all of the boundary.
     fn under(mut self, law: Law) -> Self {
-        self.mesh = self.mesh.with_law(law);
+        self.mesh.parts_mut().iter_mut().for_each(|part| part.law = law);
         self.network = assemble(&self.mesh);
         self
     }
