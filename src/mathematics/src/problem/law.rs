@@ -116,9 +116,9 @@ pub(crate) struct OneSided {
 impl OneSided {
     /// The problem with this load vector under these laws.
     ///
-    /// The end with the smaller absolute value becomes 0. For friction, where both are as far from 0, it is the one that
-    /// v mostly slips towards: the load of largest absolute value decides. So f and -f lead to the same numbers, and
-    /// where v has one sign, the limit plays no part.
+    /// The end with the smaller absolute value becomes 0. For friction, where both are as far from 0, the end becomes 0
+    /// towards which v mostly slips: the load of largest absolute value decides. So f and -f lead to the same numbers,
+    /// and where v has one sign, the limit plays no part.
     ///
     /// # Errors
     /// [`LawError::Opposed`].

@@ -15,4 +15,5 @@ pub(super) mod panels;
 #[cfg(test)]
 pub(super) mod polygons;
 pub(super) mod ring;
+pub(super) mod side;
 pub(super) mod way_out;

@@ -24,9 +24,10 @@ use crate::mesh::PlaneMesh;
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
-use crate::spectral::geometry::domain::{PlaneError, PlaneSide, directions, ray_hits};
+use crate::spectral::geometry::domain::{PlaneError, directions, ray_hits};
 use crate::spectral::geometry::frame::Frame;
 use crate::spectral::geometry::outline::{MeshOutline, OutlineEdge};
+use crate::spectral::geometry::side::PlaneSide;
 use polynomial::Polynomial;
 use std::collections::BTreeMap;
 

@@ -27,7 +27,7 @@ impl<const D: usize> OpenNode<D> {
     /// Lets the reaction out through the facets as far as their laws allow, each in proportion to its measure; through
     /// the fixed ones alone if there are any. Returns the outflow.
     ///
-    /// Where w is not zero, a reaction beyond the end of the interval to which w slips does work on w, and one that is
+    /// A reaction beyond the end of the interval to which w slips, where w is not zero, does work on w, and one that is
     /// left to the cells lengthens the distance from `grad w`. The sum of both is about least for the reaction that is
     /// left after the best change of w at this node alone.
     pub(super) fn let_out(self, facets: &mut [OpenFacet], reaction: f64) -> f64 {

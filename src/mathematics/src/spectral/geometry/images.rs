@@ -3,8 +3,9 @@
 //! middle of a slot. Poles there are as far from the boundary as they can be.
 
 use crate::problem::complex::Complex;
-use crate::spectral::geometry::domain::{PlaneDomain, PlaneSide};
+use crate::spectral::geometry::domain::PlaneDomain;
 use crate::spectral::geometry::ring::PlaneRing;
+use crate::spectral::geometry::side::PlaneSide;
 use crate::spectral::geometry::way_out::middle;
 
 /// Point behind the boundary at which the continued solution is singular.

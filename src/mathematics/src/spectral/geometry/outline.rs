@@ -5,8 +5,9 @@ use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::spectral::complex::{arg, distance};
 use crate::spectral::geometry::curve::Curve;
-use crate::spectral::geometry::domain::{PlaneError, PlaneSide};
+use crate::spectral::geometry::domain::PlaneError;
 use crate::spectral::geometry::frame::Frame;
+use crate::spectral::geometry::side::PlaneSide;
 use std::f64::consts::TAU;
 
 /// Most sides of a closed curve, for which the time is still one of seconds.

@@ -1,7 +1,8 @@
 //! Loops of sides and domains for tests.
 
-use super::domain::{PlaneDomain, PlaneError, PlaneSide};
+use super::domain::{PlaneDomain, PlaneError};
 use super::frame::Frame;
+use super::side::PlaneSide;
 use crate::mesh::Round;
 use crate::problem::law::Law;
 use std::f64::consts::PI;

@@ -1,6 +1,6 @@
 //! Closed loops of sides, and the arcs of a loop that stick, by distances along it.
 
-use super::domain::{PlaneSide, SidePlace};
+use super::side::{PlaneSide, SidePlace};
 use crate::problem::complex::Complex;
 
 /// Closed loop of sides with the distances along it.

@@ -6,8 +6,9 @@ pub(super) mod spoilt;
 use crate::mesh::Round;
 use crate::problem::formula::Formula;
 use crate::problem::law::Law;
-use crate::spectral::geometry::domain::{PlaneDomain, PlaneSide};
+use crate::spectral::geometry::domain::PlaneDomain;
 use crate::spectral::geometry::ring::RingContact;
+use crate::spectral::geometry::side::PlaneSide;
 use crate::spectral::source::PlaneSource;
 use crate::spectral::source::polynomial::Polynomial;
 use known::{

@@ -51,8 +51,8 @@
 //!    integrand by them, which Green's identity makes small ([`green`]). A small closed shape of f is seen from the
 //!    middle of its box ([`jump_energy`]): what is off of its borders against each other changes f there, by the jump
 //!    times |v|, and what is off of all of it counts by the gradient of what is smooth there of v. Tests:
-//!    `exact_energy::tests`, with derivatives by differences, and energies in closed form; `solution::tests::small`, with
-//!    shapes down to 1e-9 of the domain.
+//!    `exact_energy::tests`, with derivatives by differences, and energies in closed form; `solution::tests::small`,
+//!    with shapes down to 1e-9 of the domain.
 //! 8. *Both ends* ([`bounds`]):
 //!    ```text
 //!    lower = J - error - delta int |eta| - 1/2 int |grad E|^2,     over where v should be zero,

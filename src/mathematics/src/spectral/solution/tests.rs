@@ -1,7 +1,8 @@
 //! Solutions of plane problems against digits of other methods, and against each other.
 
-use super::super::geometry::domain::{PlaneDomain, PlaneSide};
+use super::super::geometry::domain::PlaneDomain;
 use super::super::geometry::polygons::{circle, polygon, square};
+use super::super::geometry::side::PlaneSide;
 use super::super::source::polynomial::Polynomial;
 use super::*;
 use crate::problem::formula::Formula;

@@ -5,9 +5,9 @@ use crate::problem::law::Law;
 use crate::spectral::contact::search;
 use crate::spectral::contact::start::PlaneStart;
 use crate::spectral::fit::Effort;
-use crate::spectral::geometry::domain::SidePlace;
 use crate::spectral::geometry::polygons::polygon;
 use crate::spectral::geometry::ring::RingContact;
+use crate::spectral::geometry::side::SidePlace;
 use crate::spectral::problem::PlaneProblem;
 use crate::spectral::source::{PlaneSource, Regions};
 

@@ -4,11 +4,12 @@ use crate::mesh::Round;
 use crate::problem::law::Law;
 use crate::spectral::contact::search::PlaneFound;
 use crate::spectral::fit::Fit;
-use crate::spectral::geometry::domain::{PlaneDomain, PlaneSide};
+use crate::spectral::geometry::domain::PlaneDomain;
 pub(in crate::spectral::proof) use crate::spectral::geometry::polygons::{
     circle, loop_of as polygon,
 };
 use crate::spectral::geometry::ring::RingContact;
+use crate::spectral::geometry::side::PlaneSide;
 use crate::spectral::problem::PlaneProblem;
 use crate::spectral::setup::{Level, Setup};
 use crate::spectral::source::{PlaneSource, Regions};
