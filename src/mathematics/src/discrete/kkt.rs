@@ -190,7 +190,7 @@ pub fn has_solution<'a>(domain: impl Into<DiscreteDomain<'a>>, load: &[f64]) -> 
     domain.into().components(load).into_iter().all(|component| component.check(0.0).is_ok())
 }
 
-/// What a judgement takes from all rows of the matrix.
+/// Energy and residuals over all rows of the matrix.
 struct Seen {
     /// Energy without the law's term.
     energy: f64,

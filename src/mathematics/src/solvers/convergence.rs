@@ -12,7 +12,7 @@ use crate::discrete::network::{ContactRow, Network};
 use crate::discrete::norms::largest;
 use crate::levels::Problem;
 use crate::problem::law::Law;
-use crate::saddle::{Pair, Plain};
+use crate::saddle::{self, Pair, Params, StopRule};
 
 /// Relative change of a gap from block to block of iterations at which it is taken for settled.
 const SETTLED: f64 = 1e-3;
@@ -110,24 +110,24 @@ impl<'a> Case<'a> {
         }
     }
 
+    /// Takes this number of iterations of the method itself.
+    fn advance(&self, r: f64, count: usize, pair: &mut Pair) {
+        let (rule, tolerance) = (StopRule::PrintedDual, 0.0);
+        let params = Params { r, rule, tolerance, max_iterations: count, ..Params::default() };
+        saddle::solve((self.grid, Law::SIGNORINI), self.load, &params, pair);
+    }
+
     /// One minus the factor of the method itself from zero, once its contact set stays the final one and the factor has
     /// settled.
     fn measured(&self, r: f64) -> Result<f64, String> {
-        let Self { network, load, .. } = self;
-        let method = Plain { network, load, r };
-        let mut pair = Pair::zero(network);
+        let mut pair = Pair::zero(&self.network);
         // Change of y in the last iteration of a block; one minus the factor of a block, NaN under another contact set
         // than the final one.
         let (mut change, mut gap) = (f64::NAN, f64::NAN);
         for _ in 0..BLOCKS {
-            let mut before = Vec::new();
-            for left in (0..self.block()).rev() {
-                if left == 0 {
-                    before.clone_from(&pair.y);
-                }
-                method.sweep(&mut pair);
-                method.dual_step(&mut pair);
-            }
+            self.advance(r, self.block() - 1, &mut pair);
+            let before = pair.y.clone();
+            self.advance(r, 1, &mut pair);
             let changes: Vec<f64> = pair.y.iter().zip(&before).map(|(y, old)| y - old).collect();
             let now = largest(&changes);
             let next = self.gap_of(now / change);
