@@ -36,6 +36,7 @@
 mod complex;
 mod contact;
 mod elementary;
+mod error;
 mod fit;
 mod functions;
 mod geometry;
@@ -46,7 +47,7 @@ mod solution;
 mod source;
 mod truth;
 
-pub use crate::spectral::geometry::domain::PlaneError;
+pub use error::PlaneError;
 pub use solution::PlaneChecks;
 pub use truth::TrueSolution;
 pub(crate) use truth::{check_plane, true_solution_on, true_solution_on_square};

@@ -2,9 +2,10 @@
 
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
+use crate::spectral::error::PlaneError;
 use crate::spectral::geometry::boundary::Walk;
 use crate::spectral::geometry::curve::beside;
-use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
+use crate::spectral::geometry::domain::PlaneDomain;
 use crate::spectral::geometry::images::{Image, MedialDisc, images, medial_discs};
 use crate::spectral::problem::PlaneProblem;
 use crate::spectral::source::jumps::PlaneJumps;

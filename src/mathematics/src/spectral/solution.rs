@@ -5,7 +5,6 @@ use super::contact::search::{self, PlaneFound};
 use super::contact::start::PlaneStart;
 use super::fit::Effort;
 use super::fit::field::{self, share};
-use super::geometry::domain::PlaneError;
 use super::geometry::panels::Spot;
 use super::geometry::side::SidePlace;
 use super::problem::PlaneProblem;
@@ -15,6 +14,7 @@ use super::truth::TrueSolution;
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::problem::text::{percent, plain};
+use crate::spectral::error::PlaneError;
 use std::fmt;
 
 /// Distance of the bounds, over the energy, from which on they are wide.

@@ -8,7 +8,8 @@ use crate::discrete::contact::ContactArc;
 use crate::mesh::{BuiltIn, PlaneMesh};
 use crate::problem::law::Law;
 use crate::problem::source::Source;
-use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
+use crate::spectral::error::PlaneError;
+use crate::spectral::geometry::domain::PlaneDomain;
 use crate::square::load::integral;
 
 /// Nodes, at most, of the meshes whose solutions are starts in turn, on a domain with at most so many sides.

@@ -3,9 +3,9 @@
 use super::newton::{remove, settle};
 use super::signs::PlaneSigns;
 use super::start::PlaneStart;
+use crate::spectral::error::PlaneError;
 use crate::spectral::fit::field::{PlaneNode, Sizes, boundary_nodes, share};
 use crate::spectral::fit::{Effort, Fit};
-use crate::spectral::geometry::domain::PlaneError;
 use crate::spectral::geometry::ring::{PlaneRing, RingContact};
 use crate::spectral::setup::{Level, Setup};
 

@@ -6,6 +6,7 @@ use super::ring::PlaneRing;
 use super::side::{PlaneSide, SidePlace};
 use crate::mesh::Names;
 use crate::problem::complex::Complex;
+use crate::spectral::error::PlaneError;
 
 /// Domain of the plane: closed loops of sides with the domain on the left, the outer one first and anticlockwise, holes
 /// clockwise.
@@ -220,29 +221,4 @@ fn has_slit(sides: &[PlaneSide], tolerance: f64) -> bool {
                 && other.tangent(other.nearest(point)).dot(along) < 0.0
         })
     })
-}
-
-/// Reason for which there is no solution.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PlaneError {
-    /// The domain is not as said.
-    #[error("{0}")]
-    Domain(String),
-    /// f is not one that is served.
-    #[error("{0}")]
-    Source(String),
-    /// The contact set was not found, or a check failed.
-    #[error("{0}")]
-    NotFound(String),
-}
-
-impl PlaneError {
-    /// Change of the input that this solver needs; none if no solution was found.
-    pub fn remedy(&self) -> Option<&'static str> {
-        match self {
-            Self::Domain(_) => Some("change the domain"),
-            Self::Source(_) => Some("change f"),
-            Self::NotFound(_) => None,
-        }
-    }
 }

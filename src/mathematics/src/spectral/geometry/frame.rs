@@ -7,7 +7,7 @@ use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::problem::shape::Shape;
 use crate::problem::source::Source;
-use crate::spectral::geometry::domain::PlaneError;
+use crate::spectral::error::PlaneError;
 
 /// Coordinates `(z - origin) / unit`, with f over `height`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,10 +1,11 @@
 //! Loops of sides and domains for tests.
 
-use super::domain::{PlaneDomain, PlaneError};
+use super::domain::PlaneDomain;
 use super::frame::Frame;
 use super::side::PlaneSide;
 use crate::mesh::Round;
 use crate::problem::law::Law;
+use crate::spectral::error::PlaneError;
 use std::f64::consts::PI;
 
 impl PlaneDomain {

@@ -12,10 +12,11 @@ use crate::machine::extremes::two_sum;
 use crate::problem::complex::Complex;
 use crate::problem::shape::Shape;
 use crate::problem::source::Source;
+use crate::spectral::error::PlaneError;
 use crate::spectral::geometry::curve::{
     Arc, Curve, CurvePart, ROUNDING, SAME, append, beside, borders, close,
 };
-use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
+use crate::spectral::geometry::domain::PlaneDomain;
 use crate::spectral::geometry::way_out::WayOut;
 
 /// Piece of a jump inside the domain, between vertices or points of the boundary.

@@ -4,7 +4,8 @@ use super::expansion::{Expansion, expanded};
 use super::real_polynomial::RealPolynomial;
 use crate::problem::complex::Complex;
 use crate::problem::formula::Formula;
-use crate::spectral::geometry::domain::{PlaneDomain, PlaneError};
+use crate::spectral::error::PlaneError;
+use crate::spectral::geometry::domain::PlaneDomain;
 use crate::spectral::geometry::frame::Frame;
 
 /// Polynomial f in the coordinates of a frame, with psi.

@@ -3,7 +3,7 @@
 use super::{lshape, pieces, polygon, proved, seen_lshape};
 use crate::problem::law::Law;
 use crate::problem::source::Source;
-use crate::spectral::geometry::domain::PlaneError;
+use crate::spectral::error::PlaneError;
 use crate::spectral::geometry::side::PlaneSide;
 use crate::spectral::source::changes::Changes;
 use crate::spectral::source::curves::Jumps;
