@@ -48,6 +48,5 @@ mod source;
 mod truth;
 
 pub use error::PlaneError;
-pub use solution::PlaneChecks;
-pub use truth::TrueSolution;
+pub use solution::{PlaneChecks, TrueSolution};
 pub(crate) use truth::{check_plane, true_solution_on, true_solution_on_square};

@@ -1,4 +1,4 @@
-//! True solution on one connected domain of the plane: solved, bounded, and evaluated at points.
+//! True solution: solved and bounded on one connected domain of the plane, evaluated at points of all.
 
 use super::contact::ends::arcs;
 use super::contact::search::{self, PlaneFound};
@@ -10,7 +10,7 @@ use super::geometry::side::SidePlace;
 use super::problem::PlaneProblem;
 use super::proof;
 use super::setup::Setup;
-use super::truth::TrueSolution;
+use crate::discrete::contact::ContactArc;
 use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::problem::text::{percent, plain};
@@ -37,10 +37,85 @@ pub struct PlaneChecks {
     pub bracket: Option<f64>,
 }
 
+/// True solution.
+pub struct TrueSolution {
+    /// J(v).
+    pub energy: f64,
+    /// Guaranteed bounds of the energy, or the step of their proof that does not apply.
+    pub bracket: Result<[f64; 2], &'static str>,
+    /// Arcs in contact, each with the domain on the left.
+    pub contact: Vec<ContactArc>,
+    /// Integral of dv/dn over the boundary where the law holds.
+    pub force: f64,
+    /// Integral of f over the domain.
+    pub integral: f64,
+    /// Size of the integral of dv/dn over the whole boundary plus that of f, which is zero but for errors.
+    pub unbalanced: f64,
+    /// Number of real unknowns of the sum of functions.
+    pub unknowns: usize,
+    /// Number of Newton steps.
+    pub steps: usize,
+    /// Checks.
+    pub checks: PlaneChecks,
+    /// Remarks on f, and on bounds that are wide.
+    pub notes: Vec<String>,
+    /// Solution on each connected component.
+    pub(super) components: Vec<PlaneSolution>,
+}
+
 /// Solution on a connected domain, evaluated at points of the plane.
 pub(super) struct PlaneSolution {
     setup: Setup,
     found: PlaneFound,
+}
+
+impl TrueSolution {
+    /// Solution on the components of this one and those of another.
+    pub(super) fn with(self, other: Self) -> Self {
+        let both = self.bracket.and_then(|own| Ok((own, other.bracket?)));
+        let mut notes = [self.notes, other.notes].concat();
+        notes.dedup();
+        Self {
+            energy: self.energy + other.energy,
+            bracket: both.map(|([low, high], [lower, upper])| [low + lower, high + upper]),
+            contact: [self.contact, other.contact].concat(),
+            force: self.force + other.force,
+            integral: self.integral + other.integral,
+            unbalanced: self.unbalanced + other.unbalanced,
+            unknowns: self.unknowns + other.unknowns,
+            steps: self.steps + other.steps,
+            checks: self.checks.worst(other.checks),
+            notes,
+            components: self.components.into_iter().chain(other.components).collect(),
+        }
+    }
+
+    /// Solution on the component that holds a point, or is nearest to it.
+    fn nearest(&self, point: [f64; 2]) -> &PlaneSolution {
+        let components = self.components.iter();
+        let nearest = components.min_by(|a, b| a.distance(point).total_cmp(&b.distance(point)));
+        nearest.expect("a mesh has a component")
+    }
+
+    /// v at points of the domain and its boundary.
+    pub fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
+        match &self.components[..] {
+            [own] => own.values(points),
+            _ => points.iter().map(|&z| self.nearest(z).values(&[z])[0]).collect(),
+        }
+    }
+
+    /// v and its gradient at a point; none outside of the domain. In a corner, where the gradient may be infinite, that
+    /// a little beside it.
+    pub fn at(&self, point: &[f64]) -> Option<(f64, [f64; 2])> {
+        let &[x, y] = point else { return None };
+        self.components.iter().find_map(|own| own.at([x, y]))
+    }
+
+    /// v and dv/dn at the point of the boundary nearest to this one; dv/dn in a corner is that on one of its sides.
+    pub fn on_boundary(&self, point: [f64; 2]) -> [f64; 2] {
+        self.nearest(point).on_boundary(point)
+    }
 }
 
 impl PlaneChecks {
