@@ -26,6 +26,15 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use tera::{Context, Kwargs, State, Tera};
 
+const AUTHOR: &str = "N. N. Maksimova (Н. Н. Максимова)";
+const TITLE: &str = "The study semicoercive Signorini problem by Arrow-Hurwicz method \
+    (Исследование полукоэрцитивной задачи Синьорини методом Эрроу – Гурвица)";
+const REFERENCE: &str = "UDC 519.853.2 + 519.632; no DOI is printed in the paper";
+
+const PAGE: &str = "certificate.md";
+const RECORD: &str = "ro-crate-metadata.json";
+const MANIFEST: &str = "codecheck.yml";
+
 #[derive(Args)]
 pub(super) struct CertificateArgs {
     /// New or empty folder for the bundle [default: codecheck in the project]
@@ -60,7 +69,7 @@ pub(super) fn certificate(args: &CertificateArgs) -> Result<u8> {
     write(&bundle, &folder)?;
     let here = current_folder()?;
     let shown = folder.strip_prefix(&here).unwrap_or(&folder);
-    let named = bundle[bundle.len() - if tables.is_empty() { 2 } else { 3 }..].iter();
+    let named = bundle.iter().filter(|file| [PAGE, RECORD, MANIFEST].contains(&&*file.path));
     let lines: Vec<_> = named.map(|file| shown.join(&file.path).display().to_string()).collect();
     say(&(lines.join("\n") + "\n"))?;
     talk(&format!("{count} files with their hashes"));
@@ -260,6 +269,9 @@ fn context(
     let lock = LockFile::path(&project.root);
     let system = machine::field("/etc/os-release", "PRETTY_NAME=");
     let mut context = Context::from_serialize(&serde_json::json!({
+        "author": AUTHOR,
+        "title": TITLE,
+        "reference": REFERENCE,
         "version": env!("CARGO_PKG_VERSION"),
         "compiler": COMPILER,
         "program": env!("SIGNORINI_PROGRAM"),
@@ -310,9 +322,9 @@ fn bundle(results: Vec<File>, inputs: Vec<File>, mut context: Context) -> Vec<Fi
     context.insert("input_files", &inputs);
     let mut bundle = [results, inputs].concat();
     for (name, path, template) in [
-        ("page", "certificate.md", include_str!("certificate/certificate.md.tera")),
-        ("record", "ro-crate-metadata.json", include_str!("certificate/ro_crate.json.tera")),
-        ("manifest", "codecheck.yml", include_str!("certificate/codecheck.yml.tera")),
+        ("page", PAGE, include_str!("certificate/certificate.md.tera")),
+        ("record", RECORD, include_str!("certificate/ro_crate.json.tera")),
+        ("manifest", MANIFEST, include_str!("certificate/codecheck.yml.tera")),
     ] {
         let text = render(template, &context);
         if !text.is_empty() {

@@ -2,7 +2,7 @@
 
 use super::Fields;
 use super::names::check_names;
-use super::table::{FIELDS, Field, Reading, Refused, Voice, field, without_accuracy};
+use super::table::{FIELDS, Field, Reading, Refused, Voice, without_accuracy};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::solvers::Solver;
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
@@ -25,7 +25,10 @@ impl Fields {
             return Err(Refused::new("f", "`f` is missing; add it"));
         }
         let mut of = Statement { solver: self.usual_solver(&base, voice), ..base };
-        for field in ["domain", "solver"].into_iter().filter_map(field) {
+        // What else may be given depends on these.
+        let (first, others): (Vec<_>, Vec<_>) =
+            FIELDS.iter().partition(|field| ["domain", "solver"].contains(&field.name));
+        for field in first {
             of = self.give(field, of, voice)?;
         }
         let Statement { solver, saddle, .. } = of;
@@ -45,7 +48,7 @@ impl Fields {
         // A part that one option names is no longer of the other kind.
         of.domain.free.retain(|part| !self.texts("fixed").contains(part));
         of.domain.fixed.retain(|part| !self.texts("free").contains(part));
-        for field in &FIELDS {
+        for field in others {
             of = self.give(field, of, voice)?;
         }
         if self.has("f") {

@@ -202,7 +202,7 @@ pub(crate) static FIELDS: [Field; 20] = [
         name: "accuracy",
         help: "Refine to this guaranteed relative error in the energy norm",
         more: "A grid is refined everywhere, a mesh in the plane where its error is large.",
-        texts: |of| fineness_in_words(of, "accuracy"),
+        texts: |of| texts_of_fineness(of, "accuracy"),
         set: |of, given| {
             Ok(within(
                 of,
@@ -215,7 +215,7 @@ pub(crate) static FIELDS: [Field; 20] = [
         name: "accuracy_energy",
         help: "Refine to this guaranteed relative error of the energy",
         is_rare: true,
-        texts: |of| fineness_in_words(of, "accuracy_energy"),
+        texts: |of| texts_of_fineness(of, "accuracy_energy"),
         set: |of, given| {
             Ok(within(of, Accuracy::Energy(share(given, "1e-6 for six digits of the energy")?)))
         },
@@ -229,7 +229,7 @@ pub(crate) static FIELDS: [Field; 20] = [
         heading: Some(PAPERS),
         is_rare: true,
         domains: Domains::Square,
-        texts: |of| fineness_in_words(of, "grids"),
+        texts: |of| texts_of_fineness(of, "grids"),
         set: |of, given| Ok(Statement { fineness: Fineness::Grids(grids(given)?), ..of }),
         ..FINENESS
     },
@@ -239,7 +239,7 @@ pub(crate) static FIELDS: [Field; 20] = [
         more: "0.00390625, and 256 cells per side, are the same width. On a mesh --refine takes its place.",
         value_name: "1/N",
         domains: Domains::SquareAndCube,
-        texts: |of| fineness_in_words(of, "h"),
+        texts: |of| texts_of_fineness(of, "h"),
         set: |of, given| {
             let finest = cells(&given.concat());
             let finest = finest.ok_or("write the width as 1/N, such as 1/256, or as N")?;
@@ -257,7 +257,7 @@ pub(crate) static FIELDS: [Field; 20] = [
         help: "Refinements of the mesh [default: up to 20 000 nodes]",
         value_name: "K",
         domains: Domains::Meshes,
-        texts: |of| fineness_in_words(of, "refine"),
+        texts: |of| texts_of_fineness(of, "refine"),
         set: |of, given| {
             let times = read(given).filter(|times| *times <= MOST_REFINEMENTS);
             let times = times.ok_or("write a whole number from 0 to 20")?;
@@ -428,8 +428,8 @@ pub(super) fn without_accuracy(fineness: Fineness) -> Fineness {
     if matches!(fineness, Fineness::Within(_)) { Fineness::Usual } else { fineness }
 }
 
-/// Text of the fineness, if the field of this name states it.
-fn fineness_in_words(of: &Statement, name: &str) -> Vec<String> {
+/// Texts of the fineness, if the field of this name states it.
+fn texts_of_fineness(of: &Statement, name: &str) -> Vec<String> {
     let fineness = Some(&of.fineness).filter(|of| **of != Fineness::Usual && of.field() == name);
     fineness.into_iter().map(Fineness::to_string).collect()
 }

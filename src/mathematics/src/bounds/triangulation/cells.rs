@@ -21,7 +21,7 @@ pub(super) struct Cells<'a, const D: usize, const V: usize> {
 impl<const D: usize, const V: usize> Cells<'_, D, V> {
     /// Interval of the flux through a facet of the boundary.
     pub(super) fn interval(&self, facet: &Facet<D>) -> PartLaw {
-        PartLaw::new(self.mesh.law(facet), measure(self.mesh.corners(facet)))
+        interval(self.mesh, facet)
     }
 
     /// Puts a flux through the facets that exceeds a limit of the law within it: where a limit is met, rounding decides
@@ -58,6 +58,14 @@ impl<const D: usize, const V: usize> Cells<'_, D, V> {
             None => self.f.mean[number as usize] * volume / V as f64,
         }
     }
+}
+
+/// Interval of the flux through a facet of the boundary.
+pub(super) fn interval<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    facet: &Facet<D>,
+) -> PartLaw {
+    PartLaw::new(mesh.law(facet), measure(mesh.corners(facet)))
 }
 
 /// Gradient of the linear function with these values at the vertices. Differences come first: a constant has no

@@ -1,11 +1,11 @@
 //! Sums over cells and facets: energies of w and of the flux, and the distance between them.
 
-use super::cells::{at_nodes, gradient};
+use super::cells::{at_nodes, gradient, interval};
 use super::linear::{SideFlux, at_vertices, largest_square, outflows, product};
-use crate::bounds::boundary::{PartLaw, Slips, mean_product};
+use crate::bounds::boundary::{Slips, mean_product};
 use crate::machine::threads::in_tasks;
 use crate::mesh::{
-    BoundarySide, Element, Facet, Mesh, MeshLoad, Sides, difference, dot, measure, size, sorted,
+    BoundarySide, Element, Facet, Mesh, MeshLoad, Sides, difference, dot, size, sorted,
 };
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -132,7 +132,7 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
         let mut slips = Slips { up: false, down: false };
         for (facet, &BoundarySide { side, .. }) in self.contact() {
             let law = self.mesh.law(facet);
-            let part = PartLaw::new(law, measure(self.mesh.corners(facet)));
+            let part = interval(self.mesh, facet);
             let (flux, is_open) = (self.flux[side as usize], !law.is_bounded());
             slips.up |= law.lo().is_finite() && (is_open || flux.iter().all(|q| *q <= part.least));
             slips.down |= law.hi().is_finite() && (is_open || flux.iter().all(|q| *q >= part.most));
@@ -202,7 +202,7 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
     fn boundary(&self) -> Vec<(u32, Totals)> {
         let mut terms = Vec::new();
         for (facet, &BoundarySide { side, cell }) in self.contact() {
-            let law = PartLaw::new(self.mesh.law(facet), measure(self.mesh.corners(facet)));
+            let law = interval(self.mesh, facet);
             let w = sorted(facet.nodes).map(|node| self.w[node as usize]);
             let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
             let flux = self.flux[side as usize];
