@@ -1,21 +1,21 @@
-//! The law on the boundary: the flux dv/dn stays in an interval, and v is not zero only where the flux is at an end of
-//! it.
+//! The law on the boundary: the flux dv/dn stays in an interval, and v leaves a value only where the flux is at an end
+//! of it.
 //!
 //! With the flux `l = dv/dn` in `[lo, hi]`:
 //!
 //! | state | v | l |
 //! | --- | --- | --- |
-//! | sticks | 0 | anything in `[lo, hi]` |
-//! | slips up | above 0 | `lo` |
-//! | slips down | below 0 | `hi` |
+//! | sticks | `at` | anything in `[lo, hi]` |
+//! | slips up | above `at` | `lo` |
+//! | slips down | below `at` | `hi` |
 //!
-//! A free part, dv/dn = 0, has `[0, 0]`, and a fixed one, v = 0, `(-inf, inf)`: there nothing moves from one state to
-//! another. The law of a node is the sum of the intervals of its facets.
+//! A free part, dv/dn = h, has `[h, h]`, and a fixed one, v = `at`, `(-inf, inf)`: there nothing moves from one state
+//! to another. The law of a node is the sum of the intervals of its facets.
 //!
-//! The paper's problem (1) has `[0, inf)`: nothing slips down, and what sticks is in contact. Friction with the bound g
+//! The paper's problem (1) has `at` = 0 and `[0, inf)`: nothing slips down, and what sticks is in contact. Friction with the bound g
 //! has `[-g, g]` (Glowinski, Lions and Tremolieres, *Numerical Analysis of Variational Inequalities*, 1981), and a
 //! membrane that lets at most a given flow through `[0, hi]` (Duvaut and Lions, *Inequalities in Mechanics and
-//! Physics*, 1976). The energy of the problem has the term `j(v)`, the largest of `-l v` over the interval. In the
+//! Physics*, 1976). The energy of the problem has the term `j(v)`, the largest of `-l (v - at)` over the interval. In the
 //! paper's formulas the projection onto the interval takes the place of `( )^+`.
 
 use super::text::Written;
@@ -23,9 +23,11 @@ use crate::machine::extremes::{max_or_nan, min_or_nan};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Law on a part of the boundary, or at a node: the interval of the flux.
+/// Law on a part of the boundary, or at a node: the value that v leaves only where the flux is at an end of an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law {
+    /// The value; 0 where the interval is one number, since v takes any value there.
+    at: f64,
     lo: f64,
     hi: f64,
 }
@@ -75,6 +77,14 @@ pub enum LawError {
         /// Value of the parameter.
         value: f64,
     },
+    /// A value or a flux that is not finite.
+    #[error("{name} = {value} must be a number")]
+    Number {
+        /// What the number is.
+        name: &'static str,
+        /// The number.
+        value: f64,
+    },
     /// Laws of which one keeps v from being negative and another one from being positive.
     #[error(
         "v is kept from being negative on one part of the boundary and from being positive on another one; the solver \
@@ -97,11 +107,11 @@ pub enum LawError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BoundaryState {
-    /// v = 0; for the paper's law, contact.
+    /// v is the value of the law; for the paper's law, contact.
     Sticks,
-    /// v > 0, with the least flux.
+    /// v is above it, with the least flux.
     SlipsUp,
-    /// v < 0, with the largest flux.
+    /// v is below it, with the largest flux.
     SlipsDown,
 }
 
@@ -171,7 +181,7 @@ impl LawSum {
 
     /// Adds a part of the boundary of this measure.
     pub fn add(&mut self, law: Law, measure: f64) {
-        if law == Law::FREE {
+        if law.is_free() {
             return;
         }
         let through = |end: f64| if end.is_finite() { measure * end } else { end };
@@ -189,7 +199,7 @@ impl LawSum {
     /// The law, or of several the interval of the mean flux.
     pub(crate) fn mean(&self) -> Law {
         let [lo, hi] = self.fluxes.map(|flux| flux / self.measure);
-        self.only().unwrap_or(Law { lo, hi })
+        self.only().unwrap_or(Law { at: 0.0, lo, hi })
     }
 
     /// Node with these laws on its facets.
@@ -232,11 +242,11 @@ pub(crate) struct BoundaryRow {
 
 impl Law {
     /// The paper's law: v >= 0, dv/dn >= 0, and one of both zero.
-    pub const SIGNORINI: Self = Self { lo: 0.0, hi: f64::INFINITY };
+    pub const SIGNORINI: Self = Self { at: 0.0, lo: 0.0, hi: f64::INFINITY };
     /// dv/dn = 0.
-    pub const FREE: Self = Self { lo: 0.0, hi: 0.0 };
+    pub const FREE: Self = Self { at: 0.0, lo: 0.0, hi: 0.0 };
     /// v = 0.
-    pub const FIXED: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+    pub const FIXED: Self = Self { at: 0.0, lo: f64::NEG_INFINITY, hi: f64::INFINITY };
 
     /// The law of these parts, if they all have the same; the paper's without any.
     pub(crate) fn only(parts: &[(String, Self)]) -> Option<Self> {
@@ -246,7 +256,64 @@ impl Law {
 
     /// True if what sticks may begin to slip, and what slips to stick: neither a free nor a fixed part.
     pub fn may_move(self) -> bool {
-        self.lo < self.hi && self != Self::FIXED
+        !self.is_free() && !self.is_fixed()
+    }
+
+    /// True if the flux is given: dv/dn = `lo`.
+    pub fn is_free(self) -> bool {
+        self.lo == self.hi
+    }
+
+    /// True if v is given: v = `at`.
+    pub fn is_fixed(self) -> bool {
+        self.lo == f64::NEG_INFINITY && self.hi == f64::INFINITY
+    }
+
+    /// v = `value`.
+    ///
+    /// # Errors
+    /// [`LawError::Number`] unless the value is finite.
+    pub fn fixed(value: f64) -> Result<Self, LawError> {
+        Self::FIXED.with_at(value)
+    }
+
+    /// dv/dn = `flux`.
+    ///
+    /// # Errors
+    /// [`LawError::Number`] unless the flux is finite.
+    pub fn free(flux: f64) -> Result<Self, LawError> {
+        let flux = finite("flux", flux)?;
+        Ok(Self { at: 0.0, lo: flux, hi: flux })
+    }
+
+    /// v >= `gap`, and dv/dn = `flux` where v is above it: less than `flux` nowhere.
+    ///
+    /// # Errors
+    /// [`LawError::Number`] unless both are finite.
+    pub fn above(gap: f64, flux: f64) -> Result<Self, LawError> {
+        Self { lo: finite("flux", flux)?, ..Self::SIGNORINI }.with_at(gap)
+    }
+
+    /// v <= `gap`, and dv/dn = `flux` where v is below it: more than `flux` nowhere.
+    ///
+    /// # Errors
+    /// [`LawError::Number`] unless both are finite.
+    pub fn below(gap: f64, flux: f64) -> Result<Self, LawError> {
+        Self { hi: finite("flux", flux)?, ..Self::FIXED }.with_at(gap)
+    }
+
+    /// The law with another value.
+    ///
+    /// # Errors
+    /// [`LawError::Number`] unless the value is finite.
+    pub fn with_at(self, at: f64) -> Result<Self, LawError> {
+        let at = finite("value", at)?;
+        Ok(Self { at: if self.is_free() { 0.0 } else { at }, ..self })
+    }
+
+    /// Value that v has unless the flux is at an end of the interval; 0 on a free part, where v takes any value.
+    pub fn at(self) -> f64 {
+        self.at
     }
 
     /// Law with the flux in `[lo, hi]`.
@@ -255,7 +322,11 @@ impl Law {
     /// [`LawError::Interval`] unless `lo < hi` with at most one of them infinite.
     pub fn new(lo: f64, hi: f64) -> Result<Self, LawError> {
         let is_bounded = lo.is_finite() || hi.is_finite();
-        if lo < hi && is_bounded { Ok(Self { lo, hi }) } else { Err(LawError::Interval { lo, hi }) }
+        if lo < hi && is_bounded {
+            Ok(Self { at: 0.0, lo, hi })
+        } else {
+            Err(LawError::Interval { lo, hi })
+        }
     }
 
     /// Friction: `|dv/dn| <= g`, with v against it where the flux is at the bound.
@@ -264,7 +335,7 @@ impl Law {
     /// [`LawError::Parameter`] unless g is positive and finite.
     pub fn friction(g: f64) -> Result<Self, LawError> {
         let g = positive("friction", g)?;
-        Ok(Self { lo: -g, hi: g })
+        Ok(Self { at: 0.0, lo: -g, hi: g })
     }
 
     /// Limited flow: the paper's law, but with v < 0 where the flux is at the limit.
@@ -272,7 +343,7 @@ impl Law {
     /// # Errors
     /// [`LawError::Parameter`] unless the limit is positive and finite.
     pub fn limited(limit: f64) -> Result<Self, LawError> {
-        Ok(Self { lo: 0.0, hi: positive("limit", limit)? })
+        Ok(Self { at: 0.0, lo: 0.0, hi: positive("limit", limit)? })
     }
 
     /// Least flux.
@@ -298,7 +369,7 @@ impl Law {
     /// Law of -v, if this is the law of v.
     #[must_use]
     pub fn reflected(self) -> Self {
-        Self { lo: 0.0 - self.hi, hi: 0.0 - self.lo }
+        Self { at: 0.0 - self.at, lo: 0.0 - self.hi, hi: 0.0 - self.lo }
     }
 
     /// The law `[0, limit]` in the [one-sided](OneSided) problem.
@@ -308,7 +379,7 @@ impl Law {
 
     /// Law `[0, limit]`.
     pub(crate) fn up_to(limit: f64) -> Self {
-        Self { lo: 0.0, hi: limit }
+        Self { at: 0.0, lo: 0.0, hi: limit }
     }
 
     /// The point of the interval next to a flux, which takes the place of `( )^+` in (8) and (12).
@@ -393,15 +464,28 @@ impl Law {
     }
 }
 
-/// The interval, as it stands in messages.
+/// The law, as it stands in messages.
 impl fmt::Display for Law {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { at, lo, hi } = *self;
         match *self {
-            Self::SIGNORINI => out.write_str("Signorini"),
-            Self::FREE => out.write_str("free"),
-            Self::FIXED => out.write_str("fixed"),
-            Self { lo, hi } if lo == -hi => write!(out, "friction {}", Written(hi)),
-            Self { lo, hi } => write!(out, "flux from {} to {}", Written(lo), Written(hi)),
+            Self::SIGNORINI => return out.write_str("Signorini"),
+            Self::FREE => return out.write_str("free"),
+            Self::FIXED => return out.write_str("fixed"),
+            _ if self.is_free() => return write!(out, "dv/dn = {}", Written(lo)),
+            _ if self.is_fixed() => return write!(out, "v = {}", Written(at)),
+            _ if hi == f64::INFINITY => write!(out, "v >= {}", Written(at))?,
+            _ if lo == f64::NEG_INFINITY => write!(out, "v <= {}", Written(at))?,
+            _ if lo == -hi => write!(out, "friction {}", Written(hi))?,
+            _ => write!(out, "flux from {} to {}", Written(lo), Written(hi))?,
+        }
+        match [lo, hi].map(f64::is_finite) {
+            [true, true] if at == 0.0 => Ok(()),
+            [true, true] => write!(out, " at v = {}", Written(at)),
+            [is_above, _] => match if is_above { lo } else { hi } {
+                0.0 => Ok(()),
+                flux => write!(out, ", dv/dn = {} elsewhere", Written(flux)),
+            },
         }
     }
 }
@@ -439,6 +523,11 @@ fn above(value: f64) -> f64 {
         scientific.split_once('e').and_then(|(_, exponent)| exponent.parse::<i32>().ok());
     let unit = exponent.map_or(f64::NAN, |exponent| libm::exp10(f64::from(exponent - 1)));
     format!("{:.1e}", value + unit).parse().unwrap_or(f64::NAN)
+}
+
+fn finite(name: &'static str, value: f64) -> Result<f64, LawError> {
+    // The sum with 0 takes the sign from -0.
+    if value.is_finite() { Ok(0.0 + value) } else { Err(LawError::Number { name, value }) }
 }
 
 fn positive(name: &'static str, value: f64) -> Result<f64, LawError> {
@@ -538,6 +627,9 @@ mod tests {
                 assert!(error.to_string().contains("must be a positive number"), "{error}");
             }
         }
+        for error in [Law::fixed(f64::NAN), Law::free(f64::INFINITY)].map(Result::unwrap_err) {
+            assert!(matches!(error, LawError::Number { .. }), "{error}");
+        }
         let unbounded = [f64::NEG_INFINITY, f64::INFINITY];
         for [lo, hi] in [[1.0, 1.0], [2.0, 1.0], [f64::NAN, 1.0], [0.0, f64::NAN], unbounded] {
             assert!(matches!(Law::new(lo, hi), Err(LawError::Interval { .. })), "{lo} {hi}");
@@ -548,8 +640,21 @@ mod tests {
     fn texts_have_no_rows_of_zeros() {
         let friction = [0.3, 2.0, 1e300, 1e-7].map(|g| Law::friction(g).unwrap().to_string());
         assert_eq!(friction, ["friction 0.3", "friction 2", "friction 1e300", "friction 1e-7"]);
-        let half_line = Law::new(-0.5, f64::INFINITY).unwrap();
-        assert_eq!(half_line.to_string(), "flux from -0.5 to inf");
+        let friction = Law::friction(0.3).unwrap().with_at(0.2).unwrap();
+        let others = [Law::above(0.2, 0.0), Law::above(0.0, -0.5), Law::below(1.0, 0.0)];
+        let words = [others, [Law::fixed(-1.0), Law::free(2.0), Ok(friction)]].concat();
+        let words: Vec<_> = words.into_iter().map(|law| law.unwrap().to_string()).collect();
+        assert_eq!(
+            words,
+            [
+                "v >= 0.2",
+                "v >= 0, dv/dn = -0.5 elsewhere",
+                "v <= 1",
+                "v = -1",
+                "dv/dn = 2",
+                "friction 0.3 at v = 0.2"
+            ]
+        );
     }
 
     #[test]
