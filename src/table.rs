@@ -2,7 +2,7 @@
 
 pub(crate) mod rows;
 
-pub(crate) use signorini_book::{code_in_markdown, in_markdown, quoted};
+pub(crate) use signorini_book::{code_in_markdown, csv, in_markdown};
 
 use unicode_width::UnicodeWidthStr;
 
@@ -144,12 +144,7 @@ impl Table {
 
     /// Returns the table in CSV with a header line.
     pub(crate) fn csv(&self) -> String {
-        let mut text = String::new();
-        for line in self.lines() {
-            let cells: Vec<String> = line.iter().map(|cell| quoted(cell)).collect();
-            text += &(cells.join(",") + "\n");
-        }
-        text
+        csv(self.lines())
     }
 
     /// Iterates over the head, if there is one, and the rows.

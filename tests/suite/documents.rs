@@ -8,7 +8,8 @@ use std::path::Path;
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// Folders from which paths are named: the root, and the sources of the packages.
-const FOLDERS: [&str; 5] = ["", "src", "src/mathematics/src", "src/pipeline/src", "src/book/src"];
+const FOLDERS: [&str; 6] =
+    ["", "src", "src/mathematics/src", "src/figures/src", "src/pipeline/src", "src/book/src"];
 
 /// Words before the name of an item.
 const KEYWORDS: [&str; 8] = ["fn", "struct", "enum", "trait", "const", "static", "type", "mod"];
@@ -22,7 +23,7 @@ fn code() -> String {
     let mut files = sources(&source_folder());
     files.extend(sources(&Path::new(ROOT).join("tests/suite")));
     files.retain(|file| !file.ends_with("documents.rs"));
-    for folder in ["", "src/book", "src/mathematics", "src/pipeline"] {
+    for folder in ["", "src/book", "src/figures", "src/mathematics", "src/pipeline"] {
         files.push(Path::new(ROOT).join(folder).join("Cargo.toml"));
     }
     files.iter().map(|file| fs::read_to_string(file).unwrap()).collect()

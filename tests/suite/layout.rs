@@ -1,7 +1,8 @@
 //! The layout of `src/`: rooms use only rooms that come before them, and modules of one room form no circle.
 //!
 //! The first fifteen are a package of their own, the mathematics, which the program uses by its name; so are the
-//! pipeline, which uses none of them, and the builder of the book, which uses the pipeline alone.
+//! pictures, which use the mathematics alone, the pipeline, which uses none of them, and the builder of the book, which
+//! uses the pipeline alone.
 
 use crate::common::files_below;
 use std::collections::{BTreeMap, BTreeSet};
@@ -28,17 +29,18 @@ pub(crate) const ROOMS: [&str; 22] = [
     "solvers",
     "statement",
     "identify",
+    "figures",
     "pipeline",
     "book",
     "table",
     "timing",
-    "figures",
     "replication",
     "cli",
 ];
 
 /// Packages that are one room, each with those of ours that it uses.
-const ONE_ROOM: [(&str, &[&str]); 2] = [("pipeline", &[]), ("book", &["signorini-pipeline"])];
+const ONE_ROOM: [(&str, &[&str]); 3] =
+    [("figures", &["signorini-mathematics"]), ("pipeline", &[]), ("book", &["signorini-pipeline"])];
 
 /// Every source file below `folder`.
 pub(crate) fn sources(folder: &Path) -> Vec<PathBuf> {
@@ -97,7 +99,8 @@ pub(crate) fn code_below(folder: &Path) -> BTreeMap<String, String> {
 
 /// Place of the submodules of a file.
 fn place(path: &str) -> &str {
-    path.trim_end_matches(".rs").trim_end_matches("/mod")
+    let place = path.trim_end_matches(".rs").trim_end_matches("/mod");
+    place.strip_suffix("/lib").unwrap_or(place)
 }
 
 /// Names of the modules in files of their own that a text declares for tests alone.

@@ -24,7 +24,7 @@ const INDIRECT: [&str; 6] = ["What", "Whether", "Where", "How", "The same", "Its
 const ITERATION_LOOPS: usize = 1;
 
 /// Folders of the packages beside the program.
-const PACKAGES: [&str; 3] = ["src/book/", "src/mathematics/", "src/pipeline/"];
+const PACKAGES: [&str; 4] = ["src/book/", "src/figures/", "src/mathematics/", "src/pipeline/"];
 
 /// A source file: its path from the root of the repository, and its text.
 struct Source {

@@ -4,7 +4,7 @@
 //! Between the rendering of a template and the page, a number is in the text twice, as it is shown and with all its
 //! digits: [`with_digits`].
 
-use super::text::quoted;
+use super::text::csv;
 use regex::Regex;
 use serde_json::Value as Json;
 use std::collections::BTreeMap;
@@ -65,10 +65,9 @@ impl RowFiles {
         let value = serde_json::to_value(value).map_err(tera::Error::message)?;
         let rows: Vec<BTreeMap<String, Json>> =
             serde_json::from_value(value).map_err(tera::Error::message)?;
-        let mut csv = line(rows.iter().take(1).flat_map(BTreeMap::keys).cloned());
-        for row in &rows {
-            csv += &line(row.values().map(in_cell));
-        }
+        let head = rows.iter().take(1).map(|row| row.keys().cloned().collect::<Vec<_>>());
+        let cells = rows.iter().map(|row| row.values().map(in_cell).collect());
+        let csv = csv(head.chain(cells));
         let mut files = self.0.lock().expect("no panic while it is held");
         if files.get(&file).is_some_and(|there| *there != csv) {
             return Err(tera::Error::message(format!("two different data are named `{file}`")));
@@ -92,25 +91,20 @@ fn in_cell(value: &Json) -> String {
     }
 }
 
-/// Returns a line of CSV.
-fn line(cells: impl Iterator<Item = String>) -> String {
-    cells.map(|cell| quoted(&cell)).collect::<Vec<_>>().join(",") + "\n"
-}
-
 /// Returns the CSV of each table of a rendered page that links to it as `data/NAME.csv`, by the name of its file.
 pub(super) fn of_tables(page: &str) -> BTreeMap<String, String> {
     let mut files = BTreeMap::new();
     for found in TABLE.captures_iter(page) {
         let (file, table) = (format!("{}.csv", &found[1]), &found[2]);
         if table.contains(&format!("\"data/{file}\"")) {
-            files.insert(file, csv(table));
+            files.insert(file, csv_of(table));
         }
     }
     files
 }
 
 /// Returns the CSV of a table in Markdown.
-fn csv(table: &str) -> String {
+fn csv_of(table: &str) -> String {
     let mut lines = table.lines().filter(|line| line.starts_with('|')).map(cells);
     let heads = lines.next().unwrap_or_default();
     let mut rows: Vec<Vec<DataCell>> = Vec::new();
@@ -135,11 +129,9 @@ fn csv(table: &str) -> String {
             }
         }
     }
-    let mut csv = line(columns.iter().map(|(name, _)| name.clone()));
-    for k in 0..rows.len() {
-        csv += &line(columns.iter().map(|(_, cells)| cells[k].clone()));
-    }
-    csv
+    let head = columns.iter().map(|(name, _)| name).collect::<Vec<_>>();
+    let rows = (0..rows.len()).map(|k| columns.iter().map(|(_, cells)| &cells[k]).collect());
+    csv(std::iter::once(head).chain(rows))
 }
 
 /// DataCell of a table as data.

@@ -18,4 +18,4 @@ mod text;
 
 pub use build::{FIRST, build};
 pub use pages::{PAGE as TEMPLATE, in_template, pages, stubs};
-pub use text::{code_in_markdown, in_markdown, quoted};
+pub use text::{code_in_markdown, csv, in_markdown};

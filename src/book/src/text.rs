@@ -30,13 +30,18 @@ pub fn code_in_markdown(name: &str) -> String {
     }
 }
 
-/// Quotes a cell of CSV if RFC 4180 asks for it.
-pub fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
+/// Returns lines of cells in CSV, as RFC 4180 asks for it.
+pub fn csv<Line>(lines: impl IntoIterator<Item = Line>) -> String
+where
+    Line: IntoIterator,
+    Line::Item: AsRef<[u8]>,
+{
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    for line in lines {
+        csv.write_record(line).expect("lines of a table are as long as its head");
     }
+    let bytes = csv.into_inner().expect("memory takes every byte");
+    String::from_utf8(bytes).expect("cells are texts")
 }
 
 #[cfg(test)]

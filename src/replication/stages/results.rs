@@ -128,9 +128,6 @@ struct Aggregate {
     greatest: Option<f64>,
 }
 
-/// Columns that identify a row among those of one rule.
-const KEYS: [&str; 3] = ["problem", "r", "cells"];
-
 impl Results {
     /// Reads CSV with a header line.
     pub(super) fn read(bytes: &[u8]) -> PolarsResult<Self> {
@@ -179,9 +176,22 @@ impl Results {
 
     /// Iterations of a rule on the finest grid over those of the signed rule, for every r with which the rule is met.
     fn factor(&self, rule: StopRule) -> PolarsResult<Aggregate> {
-        let rows = self.finest(StopRule::Signed)?.left_join(&self.finest(rule)?, KEYS, KEYS)?;
-        let rows = rows.filter(rows.column("met_right")?.bool()?)?;
-        aggregate(&(&floats(&rows, "iterations_right")? / &floats(&rows, "iterations")?)?)
+        let signed = self.iterations(StopRule::Signed)?;
+        let factors = self.iterations(rule)?.into_iter().filter_map(|(of, iterations)| {
+            let (_, signed) = signed.iter().find(|(key, _)| *key == of)?;
+            Some(iterations / signed)
+        });
+        aggregate(&Series::new("factor".into(), factors.collect::<Vec<_>>()))
+    }
+
+    /// Iterations on the finest grid where the rule is met, by problem and r.
+    fn iterations(&self, rule: StopRule) -> PolarsResult<Vec<((String, f64), f64)>> {
+        let rows = self.finest(rule)?;
+        let rows = rows.filter(rows.column("met")?.bool()?)?;
+        let [r, iterations] = [floats(&rows, "r")?, floats(&rows, "iterations")?];
+        let problems = rows.column("problem")?.str()?.iter().flatten().map(str::to_owned);
+        let keys = problems.zip(r.f64()?.iter().flatten());
+        Ok(keys.zip(iterations.f64()?.iter().flatten()).collect())
     }
 
     /// Rows of one stopping rule.

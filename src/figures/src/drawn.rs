@@ -16,18 +16,18 @@ pub(crate) const MOST_CELLS: usize = 32;
 
 /// Solution on the mesh of a picture.
 #[derive(Clone, Debug)]
-pub(crate) struct DrawnSolution {
+pub struct DrawnSolution {
     pub(super) title: String,
     /// True if the paper's law holds.
     pub(super) is_papers_law: bool,
     pub(super) mesh: PlaneMesh,
     /// Heights at the nodes.
-    pub(crate) y: Vec<f64>,
+    pub y: Vec<f64>,
     /// Nodes with v = 0 by the law.
     pub(super) in_contact: Vec<bool>,
     /// Azimuth of the viewer, in degrees anticlockwise from the negative y axis: that from which the surface hides
     /// least, unless [`seen`](Self::seen) otherwise.
-    pub(crate) azimuth: f64,
+    pub azimuth: f64,
     /// Range of heights and colours; `None` for that of the data and zero.
     pub(super) range: Option<(f64, f64)>,
 }
@@ -37,7 +37,7 @@ impl DrawnSolution {
     ///
     /// # Errors
     /// A sentence if the domain lies in space.
-    pub(crate) fn of(
+    pub fn of(
         title: String,
         problem: &Problem,
         pair: &Pair,
@@ -53,7 +53,7 @@ impl DrawnSolution {
     }
 
     /// Pair on a grid of the square under the paper's law, as a panel in rows of `columns`.
-    pub(crate) fn on_grid(title: String, grid: Grid, pair: &Pair, columns: usize) -> Self {
+    pub fn on_grid(title: String, grid: Grid, pair: &Pair, columns: usize) -> Self {
         // f plays no part in the picture.
         let f = Source::constant(-1.0);
         let problem = Problem::on_square(vec![grid], f, LoadRule::default(), Law::SIGNORINI);
@@ -62,13 +62,13 @@ impl DrawnSolution {
     }
 
     /// This surface without marks of contact.
-    pub(crate) fn without_contact(mut self) -> Self {
+    pub fn without_contact(mut self) -> Self {
         self.in_contact.fill(false);
         self
     }
 
     /// These surfaces under the same azimuth, with one range of heights and colours.
-    pub(crate) fn seen(mut all: Vec<Self>, azimuth: f64) -> Vec<Self> {
+    pub fn seen(mut all: Vec<Self>, azimuth: f64) -> Vec<Self> {
         let range = range_with_zero(all.iter().flat_map(|one| one.y.iter().copied()));
         for one in &mut all {
             (one.azimuth, one.range) = (azimuth, Some(range));

@@ -1,7 +1,4 @@
-//! Drawing functions of the figures, from data to SVG text: the same bytes for the same data, and no files.
-//!
-//! Every picture is at most 800 display pixels wide, has light or dark colours like the page around it, and has a title
-//! and a description for readers who cannot see it. Central is [`Picture`], to which all drawing functions add shapes.
+#![doc = include_str!("../README.md")]
 
 mod axes;
 mod boxes;
@@ -31,19 +28,19 @@ mod table;
 mod text;
 mod title;
 
-pub(crate) use chart::{axes_alone, charts};
-pub(crate) use contact::{ContactPanel, contact};
-pub(crate) use drawn::DrawnSolution;
-pub(crate) use gradient::{GradientPanel, gradients};
-pub(crate) use history::{HistoryCurve, HistoryPanel, histories};
-pub(crate) use identifiability::{IdentifiabilityPanel, identifiability};
-pub(crate) use maps::{map_of_f, maps_of_f};
-pub(crate) use picture::Picture;
-pub(crate) use plan::mesh_picture;
-pub(crate) use print::{Print, Width};
-pub(crate) use series::{Chart, Curve, Scale, Stroke};
-pub(crate) use solution_map::SolutionMap;
-pub(crate) use surface::{surfaces, table_of_surfaces};
+pub use chart::{axes_alone, charts};
+pub use contact::{ContactPanel, contact};
+pub use drawn::DrawnSolution;
+pub use gradient::{GradientPanel, gradients};
+pub use history::{HistoryCurve, HistoryPanel, histories};
+pub use identifiability::{IdentifiabilityPanel, identifiability};
+pub use maps::{map_of_f, maps_of_f};
+pub use picture::Picture;
+pub use plan::mesh_picture;
+pub use print::{Print, Width};
+pub use series::{Chart, Curve, Scale, Stroke};
+pub use solution_map::SolutionMap;
+pub use surface::{surfaces, table_of_surfaces};
 
 /// Refusal of what has no picture.
 const IN_SPACE: &str = "a solution in space has no picture";

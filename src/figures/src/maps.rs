@@ -35,7 +35,7 @@ type Point = [f64; 2];
 ///
 /// Pieces are painted as exact polygons in their order; each value is printed in the widest place of its region, if it
 /// fits. A smooth f is painted as a raster, without values.
-pub(crate) fn maps_of_f(panels: &[(&str, Source)]) -> Picture {
+pub fn maps_of_f(panels: &[(&str, Source)]) -> Picture {
     let rasters: Vec<_> = panels.iter().map(|(_, f)| raster(f)).collect();
     let colours = colours_of_f(&rasters.concat());
     let layout = layout(panels.iter().map(|(title, _)| *title), (SIDE, SIDE));
@@ -52,7 +52,7 @@ pub(crate) fn maps_of_f(panels: &[(&str, Source)]) -> Picture {
 ///
 /// # Errors
 /// A sentence if the domain lies in space, or f is not finite.
-pub(crate) fn map_of_f(title: &str, problem: &Problem) -> Result<Picture, String> {
+pub fn map_of_f(title: &str, problem: &Problem) -> Result<Picture, String> {
     let levels = problem.levels();
     let drawing = levels.drawing(MOST_CELLS).ok_or(IN_SPACE)?;
     let f = levels.means(MOST_CELLS).map_err(|e| e.to_string())?;
@@ -228,7 +228,7 @@ fn label_regions(picture: &mut Picture, frame: &Frame, values: &[f64], colours: 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::samples::svg;
+    use crate::samples::svg;
     use signorini_mathematics::mesh::BuiltIn;
 
     #[test]

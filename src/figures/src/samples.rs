@@ -19,7 +19,7 @@ pub(super) fn svg(picture: &Picture) -> String {
 /// The figures of both problems; `run --locked` fails where the program draws others.
 pub(super) fn committed() -> Vec<(String, String)> {
     let names = ["figure1", "figure2", "histories", "contact", "identifiability"];
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("figures");
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../figures");
     let mut figures = Vec::new();
     for name in names {
         let svg = std::fs::read_to_string(folder.join(format!("{name}.svg"))).unwrap();
@@ -71,7 +71,7 @@ pub(super) fn panel(mesh: &PlaneMesh, y: &[f64], in_contact: &[bool]) -> DrawnSo
 
 /// File with a gear.
 fn gear_file() -> Vec<u8> {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes/gear.msh");
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/meshes/gear.msh");
     std::fs::read(path).unwrap()
 }
 

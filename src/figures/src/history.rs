@@ -12,22 +12,24 @@ use signorini_mathematics::saddle::{Iteration, tolerance};
 
 /// One panel of [`histories`].
 #[derive(Clone, Debug)]
-pub(crate) struct HistoryPanel<'a> {
-    pub(crate) title: &'a str,
+pub struct HistoryPanel<'a> {
+    /// Title above the panel.
+    pub title: &'a str,
     /// Nested grids of every run; grid number k, from 1, has tolerance 10^-k.
-    pub(crate) grids: Vec<Grid>,
-    pub(crate) runs: Vec<HistoryCurve>,
+    pub grids: Vec<Grid>,
+    /// Runs, a curve each.
+    pub runs: Vec<HistoryCurve>,
 }
 
 /// Run of the method over nested grids.
 #[derive(Clone, Debug)]
-pub(crate) struct HistoryCurve {
+pub struct HistoryCurve {
     /// Name in the legend.
-    pub(crate) label: String,
+    pub label: String,
     /// True for the run that is drawn in colour, before the others.
-    pub(crate) is_drawn: bool,
+    pub is_drawn: bool,
     /// Iterations on each grid; fewer grids if the run ended early.
-    pub(crate) levels: Vec<Vec<Iteration>>,
+    pub levels: Vec<Vec<Iteration>>,
 }
 
 /// Sizes of the panels.
@@ -52,7 +54,7 @@ const MOST_NAMES: f64 = 450.0;
 /// One run is in colour, the others are grey behind it. Solid: `max_i dM/dy_i` (signed), thick; dashed:
 /// `max_i |dM/dy_i|`; both as log10. Values that are zero, negative or far below the last tolerance lie on the lower
 /// edge. Rings mark the iteration at which a run left a grid; dotted lines are the tolerances 10^-N of the grids.
-pub(crate) fn histories(panels: &[HistoryPanel]) -> Picture {
+pub fn histories(panels: &[HistoryPanel]) -> Picture {
     let charts: Vec<Chart> = panels.iter().map(chart).collect();
     let mut picture = in_panels(&charts.iter().collect::<Vec<_>>(), false, SIZES);
     let (x, y) = (SIZES.beside.0, picture.height - 22.0);

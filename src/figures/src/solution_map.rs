@@ -26,7 +26,7 @@ const KEY_HEIGHT: f64 = 22.0;
 const KEY: [f64; 3] = [28.0, 10.0, 24.0];
 
 /// Solution on the mesh of a picture, with the boundary of the finest level.
-pub(crate) struct SolutionMap {
+pub struct SolutionMap {
     drawn: DrawnSolution,
     /// Closed curves of the boundary.
     boundary: Vec<Loop>,
@@ -41,7 +41,7 @@ impl SolutionMap {
     ///
     /// # Errors
     /// A sentence if the domain lies in space.
-    pub(crate) fn of(title: String, problem: &Problem, pair: &Pair) -> Result<Self, String> {
+    pub fn of(title: String, problem: &Problem, pair: &Pair) -> Result<Self, String> {
         let drawn = DrawnSolution::of(title, problem, pair, 1)?;
         let is_held = problem.at_nodes(&problem.in_contact(pair), false);
         let (mut held, mut fixed, mut boundary) = (Vec::new(), Vec::new(), Vec::new());
@@ -65,7 +65,7 @@ impl SolutionMap {
     }
 
     /// Draws the map below its title, above a colour bar and the words of the law.
-    pub(crate) fn picture(&self) -> Picture {
+    pub fn picture(&self) -> Picture {
         let (layout, ranges) = layout_around(&self.drawn.mesh, &self.drawn.title);
         let bands = bands(&self.drawn);
         let mut picture =
@@ -174,8 +174,8 @@ fn bands(drawn: &DrawnSolution) -> Vec<(f64, RGBColor)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::polyline::farthest;
-    use crate::figures::samples::svg;
+    use crate::polyline::farthest;
+    use crate::samples::svg;
     use signorini_mathematics::mesh::AnyMesh;
     use signorini_mathematics::problem::law::Law;
     use signorini_mathematics::solvers::{self, Run, Settings, Solver};

@@ -5,26 +5,27 @@ use super::text::{Ticks, power_of_ten};
 
 /// Panel with curves.
 #[derive(Clone, Debug)]
-pub(crate) struct Chart {
-    pub(crate) title: String,
+pub struct Chart {
+    /// Title above the panel.
+    pub title: String,
     /// Axes across and up.
-    pub(crate) axes: [Axis; 2],
+    pub axes: [Axis; 2],
     /// Curves in the order in which they are drawn; one without points is left out.
-    pub(crate) curves: Vec<Curve>,
+    pub curves: Vec<Curve>,
     /// Legend; without entries, each label that is no reference has one.
     pub(super) legend: Vec<Entry>,
 }
 
 impl Chart {
     /// Chart with logarithmic axes, whose names, with their units, are given across and up.
-    pub(crate) fn new(title: impl Into<String>, names: [&str; 2], curves: Vec<Curve>) -> Self {
+    pub fn new(title: impl Into<String>, names: [&str; 2], curves: Vec<Curve>) -> Self {
         let scale = Scale::Logarithmic;
         let axes = names.map(|name| Axis { name: name.into(), scale, ends: None });
         Self { title: title.into(), axes, curves, legend: Vec::new() }
     }
 
     /// This chart with other scales across and up.
-    pub(crate) fn scaled(mut self, scales: [Scale; 2]) -> Self {
+    pub fn scaled(mut self, scales: [Scale; 2]) -> Self {
         for (axis, scale) in self.axes.iter_mut().zip(scales) {
             axis.scale = scale;
         }
@@ -41,36 +42,42 @@ impl Chart {
 
 /// Axis of a [`Chart`].
 #[derive(Clone, Debug)]
-pub(crate) struct Axis {
-    pub(crate) name: String,
-    pub(crate) scale: Scale,
+pub struct Axis {
+    /// Name, with the unit.
+    pub name: String,
+    /// Scale of the numbers.
+    pub scale: Scale,
     /// Ends, as numbers on the axis, at which values beyond them are drawn; none for those of the data.
     pub(super) ends: Option<(f64, f64)>,
 }
 
 /// Scale of an [`Axis`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Scale {
+pub enum Scale {
+    /// From the least number to the greatest.
     Linear,
     /// Linear, with whole numbers only.
     Counts,
+    /// By powers of ten, of positive numbers.
     Logarithmic,
 }
 
 /// A curve of a [`Chart`].
 #[derive(Clone, Debug)]
-pub(crate) struct Curve {
+pub struct Curve {
     /// Name in the legend; equal names share a colour across panels, and solvers across pictures.
-    pub(crate) label: String,
+    pub label: String,
     /// Points in the order in which they are joined.
-    pub(crate) points: Vec<(f64, f64)>,
-    pub(crate) stroke: Stroke,
+    pub points: Vec<(f64, f64)>,
+    /// Stroke of the line.
+    pub stroke: Stroke,
     /// Width of the line in display pixels.
     pub(super) width: f64,
 }
 
 impl Curve {
-    pub(crate) fn new(
+    /// Curve through these points.
+    pub fn new(
         stroke: Stroke,
         label: impl Into<String>,
         points: impl IntoIterator<Item = (f64, f64)>,
@@ -82,9 +89,10 @@ impl Curve {
 
 /// Stroke of a [`Curve`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Stroke {
+pub enum Stroke {
     /// Line with a ring at each point.
     Marked,
+    /// Line alone.
     Line,
     /// Thin dashed line.
     Thin,

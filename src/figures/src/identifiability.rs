@@ -10,14 +10,15 @@ use signorini_mathematics::identify::Slice;
 
 /// One panel of [`identifiability`].
 #[derive(Clone, Debug)]
-pub(crate) struct IdentifiabilityPanel<'a> {
-    pub(crate) title: &'a str,
+pub struct IdentifiabilityPanel<'a> {
+    /// Title above the panel.
+    pub title: &'a str,
     /// Counts that come out around the recovered f, which is in the middle.
-    pub(crate) slice: &'a Slice,
+    pub slice: &'a Slice,
     /// Number of published counts.
-    pub(crate) cells: usize,
+    pub cells: usize,
     /// Other f to mark, as points of the plane.
-    pub(crate) others: Vec<[f64; 2]>,
+    pub others: Vec<[f64; 2]>,
 }
 
 /// Side of a panel in display pixels.
@@ -27,7 +28,7 @@ const SIDE: f64 = 290.0;
 ///
 /// The region in which every count comes out is outlined, the f in the middle marked by a ring, other
 /// f by crosses if they are in the map.
-pub(crate) fn identifiability(panels: &[IdentifiabilityPanel]) -> Picture {
+pub fn identifiability(panels: &[IdentifiabilityPanel]) -> Picture {
     let counts = panels.iter().flat_map(|panel| panel.slice.exact.iter().flatten());
     let least = counts.copied().min().unwrap_or(0);
     let most = panels.iter().map(|panel| panel.cells).max().unwrap_or(0);

@@ -33,7 +33,7 @@ const CONTACT_WIDTH: f64 = 2.75;
 /// Heights are shaded by Lambert's law and coloured by value. Edges of the boundary in contact, those with both ends in
 /// contact, and those of fixed parts are marked on the surface. All triangles are drawn: a fine mesh makes a large
 /// file. Panels with scales of their own have a colour bar each; rows with one scale have one bar together.
-pub(crate) fn surfaces(columns: usize, panels: &[DrawnSolution]) -> Picture {
+pub fn surfaces(columns: usize, panels: &[DrawnSolution]) -> Picture {
     let columns = columns.min(panels.len());
     let scale = (2.0 / columns as f64).min(1.0);
     let wide = scale * PANEL.0;
@@ -213,7 +213,7 @@ fn nearness(inside: &Boxed, nodes: &[Vector], cell: [u32; 3]) -> f64 {
 }
 
 /// Returns the values at the nodes of meshes, to four digits, which is more than a picture shows.
-pub(crate) fn table_of_surfaces(panels: &[DrawnSolution]) -> String {
+pub fn table_of_surfaces(panels: &[DrawnSolution]) -> String {
     let mut csv = "panel,x,y,v\n".to_owned();
     for DrawnSolution { title, mesh, y, .. } in panels {
         let nodes = mesh.points().iter().zip(y);
@@ -226,7 +226,7 @@ pub(crate) fn table_of_surfaces(panels: &[DrawnSolution]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::samples::{panel, svg};
+    use crate::samples::{panel, svg};
     use signorini_mathematics::mesh::{BuiltIn, PlaneMesh, refine};
 
     fn refined(domain: BuiltIn, times: usize) -> PlaneMesh {

@@ -50,7 +50,7 @@ pub(super) const LEGEND: f64 = WIDTH - 90.0;
 /// Draws panels, two in a row, one legend above them all; with `alike`, all vertical axes have the same range.
 ///
 /// Panels without points are left out.
-pub(crate) fn charts(alike: bool, panels: &[Chart]) -> Picture {
+pub fn charts(alike: bool, panels: &[Chart]) -> Picture {
     let mut shown: Vec<&Chart> = panels.iter().collect();
     shown.retain(|panel| panel.curves.iter().any(|curve| !curve.points.is_empty()));
     let mut picture = in_panels(&shown, alike, MEASURED);
@@ -59,7 +59,7 @@ pub(crate) fn charts(alike: bool, panels: &[Chart]) -> Picture {
 }
 
 /// Draws the axes of a panel without points, whose title says why it has none.
-pub(crate) fn axes_alone(panel: &Chart) -> Picture {
+pub fn axes_alone(panel: &Chart) -> Picture {
     let mut picture = in_panels(&[panel], false, MEASURED);
     picture.table = Some(of_charts(&[panel]));
     picture

@@ -7,19 +7,19 @@ use std::str::FromStr;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[serde(expecting = "a table such as { width = \"85mm\", title = false }")]
-pub(crate) struct Print {
+pub struct Print {
     /// Width; none for that of the screen.
     #[serde(default)]
-    pub(crate) width: Option<Width>,
+    pub width: Option<Width>,
     /// False if titles are left out.
     #[serde(default = "yes")]
-    pub(crate) title: bool,
+    pub title: bool,
 }
 
 /// Width of a picture, with its unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
-pub(crate) struct Width {
+pub struct Width {
     number: f64,
     unit: String,
 }

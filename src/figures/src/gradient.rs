@@ -3,9 +3,8 @@
 use super::maps::{SIDE, bar_below, draw_maps, layout};
 use super::palette::{ColourScale, RGBColor};
 use super::picture::{NORMAL, Picture, plain};
-use super::table::rounded;
+use super::table::{lines, rounded};
 use super::text::short;
-use crate::table::quoted;
 use signorini_mathematics::discrete::grid::Grid;
 
 /// Multiples of the tolerance at which the shade changes; below the first, the rule takes a component for zero.
@@ -13,18 +12,20 @@ const STEPS: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
 
 /// One panel of [`gradients`].
 #[derive(Clone, Debug)]
-pub(crate) struct GradientPanel<'a> {
-    pub(crate) title: &'a str,
-    pub(crate) grid: Grid,
+pub struct GradientPanel<'a> {
+    /// Title above the panel.
+    pub title: &'a str,
+    /// Grid of the nodes.
+    pub grid: Grid,
     /// Bound of the stopping rule for the components.
-    pub(crate) tolerance: f64,
+    pub tolerance: f64,
     /// Components of the gradient with respect to y, at the nodes.
-    pub(crate) gradient: Vec<f64>,
+    pub gradient: Vec<f64>,
 }
 
 /// Draws one map per panel, a cell for each node: blue where the component is negative beyond the tolerance, red where
 /// it is positive beyond the tolerance.
-pub(crate) fn gradients(panels: &[GradientPanel]) -> Picture {
+pub fn gradients(panels: &[GradientPanel]) -> Picture {
     let layout = layout(panels.iter().map(|panel| panel.title), (SIDE, SIDE));
     // The cells of the outermost nodes stick out by half their width.
     let ends = panels.iter().map(|panel| 0.5 + 0.5 * panel.grid.h()).collect::<Vec<f64>>();
@@ -61,23 +62,19 @@ fn color(shade: i32) -> RGBColor {
 /// Returns the components of the gradient, a row for each node and a column for each panel; columns of the grid are
 /// counted from the left, rows from below.
 fn of_gradients(panels: &[GradientPanel]) -> String {
-    let mut csv = "column,row".to_owned();
-    for panel in panels {
-        csv += &format!(",{}", quoted(panel.title));
-    }
+    let titles = panels.iter().map(|panel| panel.title);
+    let mut rows = vec![["column", "row"].into_iter().chain(titles).map(str::to_owned).collect()];
     let side = panels.iter().map(|panel| panel.grid.side()).max().unwrap_or(0);
     for (row, column) in (0..side).flat_map(|row| (0..side).map(move |column| (row, column))) {
-        csv += &format!("\n{column},{row}");
-        for GradientPanel { grid, gradient, .. } in panels {
-            csv.push(',');
-            if column.max(row) < grid.side() {
-                // Six digits: a map needs no more, and the book carries the file.
-                csv += &rounded(gradient[grid.index(column, row)], 6).to_string();
-            }
-        }
+        let mut cells: Vec<String> = [column, row].map(|place| place.to_string()).into();
+        cells.extend(panels.iter().map(|GradientPanel { grid, gradient, .. }| {
+            // Six digits: a map needs no more, and the book carries the file.
+            let component = || rounded(gradient[grid.index(column, row)], 6).to_string();
+            if column.max(row) < grid.side() { component() } else { String::new() }
+        }));
+        rows.push(cells);
     }
-    csv.push('\n');
-    csv
+    lines(rows)
 }
 
 #[cfg(test)]

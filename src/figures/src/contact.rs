@@ -17,7 +17,7 @@ use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::Pair;
 
 /// One panel of [`contact`].
-pub(crate) struct ContactPanel {
+pub struct ContactPanel {
     pub(super) title: String,
     pub(super) curve: ClosedCurve,
     /// True if the paper's law holds.
@@ -41,7 +41,7 @@ impl ContactPanel {
     ///
     /// # Errors
     /// A sentence if the domain lies in space.
-    pub(crate) fn of(
+    pub fn of(
         title: &str,
         problem: &Problem,
         solutions: &[(String, Pair)],
@@ -133,7 +133,7 @@ const WITHOUT_LAW: [(Law, &str, RGBColor); 2] =
 /// with the domain on the left from the lowest node. A node in contact stands for the half cells
 /// on both of its sides. The band between the two plots has one bar per line, and one for parts without the law; the
 /// ground is grey where all lines of the panel are in contact. A curve without the law has no plot of a.
-pub(crate) fn contact(panels: &[ContactPanel]) -> Picture {
+pub fn contact(panels: &[ContactPanel]) -> Picture {
     let mut picture = Picture::new(WIDTH, 0.0);
     let mut top = 8.0;
     for panel in panels {
@@ -326,7 +326,7 @@ fn of_contact(panels: &[ContactPanel]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::samples::{on_grid, svg};
+    use crate::samples::{on_grid, svg};
     use signorini_mathematics::discrete::grid::Grid;
     use signorini_mathematics::levels::Problem;
     use signorini_mathematics::mesh::AnyMesh;

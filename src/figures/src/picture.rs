@@ -36,7 +36,7 @@ fn filled(color: RGBColor) -> ShapeStyle {
 
 /// Shapes, given in display pixels.
 #[derive(Default)]
-pub(crate) struct Picture {
+pub struct Picture {
     pub(super) width: f64,
     /// Height, which may be set after all is drawn.
     pub(super) height: f64,
@@ -44,11 +44,11 @@ pub(crate) struct Picture {
     /// True if a place was not finite.
     not_finite: bool,
     /// Data shown, as CSV with a header line; `None` if the input of the drawing function is a file of its own.
-    pub(crate) table: Option<String>,
+    pub table: Option<String>,
     /// Width in print; none for that in display pixels.
-    pub(crate) print: Option<Width>,
+    pub print: Option<Width>,
     /// Sentences for the description of the picture, each with a space behind it.
-    pub(crate) note: String,
+    pub note: String,
 }
 
 impl Picture {
@@ -195,7 +195,10 @@ impl Picture {
     /// Returns the SVG document: scalable, and by default shown at its size in display pixels.
     ///
     /// For readers who cannot see it: `title` is a line on the contents, `description` a line on the origin.
-    pub(crate) fn svg(&self, title: &str, description: &str) -> Result<String, &'static str> {
+    ///
+    /// # Errors
+    /// A sentence if nothing is drawn, or a number is not finite.
+    pub fn svg(&self, title: &str, description: &str) -> Result<String, &'static str> {
         if self.body.is_empty() {
             return Err("there is nothing to draw; record or solve something first");
         }

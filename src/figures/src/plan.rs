@@ -24,7 +24,7 @@ const FIRST_SHADE: usize = 4;
 /// parts and, if there are more than one, its regions.
 ///
 /// All triangles are drawn: a mesh of more than 2500 makes a large file.
-pub(crate) fn mesh_picture(panels: &[(&str, &PlaneMesh)]) -> Picture {
+pub fn mesh_picture(panels: &[(&str, &PlaneMesh)]) -> Picture {
     let ([side, key, margin], beside) = match panels.len() {
         3 => ([SIDES[1], KEYS[1], 10.0], (62.0, 18.0)),
         _ => ([SIDES[0], KEYS[0], 20.0], (66.0, 26.0)),
@@ -83,7 +83,7 @@ fn cut(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::samples::svg;
+    use crate::samples::svg;
     use signorini_mathematics::mesh::BuiltIn;
 
     #[test]
