@@ -181,7 +181,7 @@ impl SolveArgs {
 
     /// Refuses options about the file that is written where there is none, or that a solver or a domain does not have.
     fn check_file_options(&self, statement: &Statement) -> Result<()> {
-        let Statement { solver, domain, .. } = statement;
+        let Statement { solver, .. } = statement;
         let has_refine = self.fields.has("refine") && self.save.is_none();
         let of_the_file = [
             ("--recover", self.recover),
@@ -195,9 +195,9 @@ impl SolveArgs {
                 "--recover is for --solver {takers}, not {solver}; leave it out, or change --solver"
             )));
         }
-        if self.recover && !domain.is_square() {
+        if self.recover && !statement.has_grids() {
             return Err(Error::input(
-                "--recover is for the square; leave it out, or solve on the square",
+                "--recover is for the square under one law; leave it out, or solve there",
             ));
         }
         match of_the_file.iter().find(|(_, given)| *given && self.out.is_none()) {

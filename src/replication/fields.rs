@@ -17,7 +17,7 @@ use clap::builder::{PossibleValue, Resettable, StringValueParser, StyledStr, Typ
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
-use table::{FIELDS, Field, Reading, Refused, field};
+use table::{BOUNDARY, FIELDS, Field, Reading, Refused, field, text};
 use toml::{Table, Value};
 
 /// Heading of the options that the paper's method has.
@@ -33,8 +33,8 @@ impl Fields {
     /// # Errors
     /// [`Refused`] for a key that is neither a field nor among `others`, which the scene has besides, and for a value
     /// that is no table where one is expected, or the other way round.
-    pub(crate) fn of_keys(keys: Table, others: &[&'static str]) -> Reading<Self> {
-        let mut fields = Self::default();
+    pub(crate) fn of_keys(mut keys: Table, others: &[&'static str]) -> Reading<Self> {
+        let (mut fields, boundary) = (Self::default(), keys.remove(BOUNDARY));
         for (key, value) in keys {
             let group = FIELDS.iter().find_map(|field| field.table.filter(|table| *table == key));
             match (group, value) {
@@ -54,6 +54,15 @@ impl Fields {
                     let known = field(&key).filter(|field| field.table.is_none());
                     fields.insert(known.ok_or_else(|| unknown(&key, None, others))?, &value)?;
                 }
+            }
+        }
+        let parts = boundary.map_or_else(|| Ok(Table::new()), |parts| table_of(BOUNDARY, parts))?;
+        for (part, numbers) in parts {
+            for (name, number) in table_of(BOUNDARY, numbers)? {
+                let known = field(&name).filter(|of| of.law.is_some());
+                let known = known.ok_or_else(|| unknown(&name, Some(BOUNDARY), others))?;
+                let texts = fields.0.entry(known.name).or_default();
+                texts.push(format!("{part}={}", text(&number)));
             }
         }
         Ok(fields)
@@ -87,9 +96,9 @@ fn unknown(key: &str, table: Option<&'static str>, others: &[&'static str]) -> R
         Some(table) => {
             (field(table).map(|_| "name").into_iter().collect(), format!(" in `{table}`"))
         }
-        None => (others.to_vec(), String::new()),
+        None => ([others, &[BOUNDARY]].concat(), String::new()),
     };
-    for field in FIELDS.iter().filter(|field| table.is_none() || field.table == table) {
+    for field in FIELDS.iter().filter(|field| table.is_none_or(|table| field.stands_in(table))) {
         let name = field.table.filter(|_| table.is_none()).unwrap_or(field.name);
         if !known.contains(&name) {
             known.push(name);
@@ -105,12 +114,21 @@ fn unknown(key: &str, table: Option<&'static str>, others: &[&'static str]) -> R
     Refused::new(key, text)
 }
 
+/// Table that has to stand under a key.
+fn table_of(key: &str, value: Value) -> Reading<Table> {
+    match value {
+        Value::Table(table) if !table.is_empty() => Ok(table),
+        value => Err(no_table(key, &value)),
+    }
+}
+
 /// Refusal of a value in place of a table, or of an empty one.
 fn no_table(table: &str, value: &Value) -> Refused {
     let examples = match field(table) {
         Some(_) => {
             "a name such as \"disc\", a file such as \"gear.msh\", or { name = \"disc\", refine = 4 }"
         }
+        None if table == BOUNDARY => "{ hole = { friction = 0.3 } }, with the name of each part",
         None => "{ friction = 0.3 } or { limit = 2.0 }",
     };
     Refused::new(table, format!("{table} = {value}: write {examples}"))

@@ -11,11 +11,11 @@ use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::mesh::AnyMesh;
-use signorini_mathematics::problem::law::LawParameter;
+use signorini_mathematics::problem::law::LawNumber;
 use signorini_mathematics::problem::source::Tie;
 use signorini_mathematics::saddle::StopRule;
 use signorini_mathematics::solvers::{SOLVERS, SaddleSettings, Solver};
-use signorini_mathematics::statement::{Domain, Fineness, Statement};
+use signorini_mathematics::statement::{Boundary, Domain, Fineness, Statement};
 use std::collections::BTreeMap;
 
 /// The options of `solve` that are fields, and the scene that some of them exclude.
@@ -31,9 +31,9 @@ fn positive() -> impl Strategy<Value = f64> {
     (-9.0..9.0f64).prop_map(libm::exp10)
 }
 
-/// Names of parts of a boundary, with what shells and TOML give a meaning.
-fn parts() -> impl Strategy<Value = Vec<String>> {
-    proptest::collection::vec("[a-zA-Z0-9_.é'\"$#\\\\ =-]{0,7}[a-zé]", 0..3)
+/// Name of a part of a boundary, with what shells and TOML give a meaning, and what may look like its number.
+fn part() -> impl Strategy<Value = String> {
+    "[a-zA-Z0-9_.é'\"$#\\\\ =-]{0,7}([a-zé]|=1)"
 }
 
 fn domain() -> impl Strategy<Value = Domain> {
@@ -46,18 +46,32 @@ fn domain() -> impl Strategy<Value = Domain> {
     ];
     let numbers = proptest::collection::vec(-2.0..2.0f64, 1..7);
     let curve = proptest::collection::btree_map("[a-z=.é][a-z=. é]{0,4}[a-z]", numbers, 0..3);
-    (name, parts(), parts(), curve).prop_map(|(name, free, fixed, curve)| match name {
+    (name, curve).prop_map(|(name, curve)| match name {
         "square" => Domain::square(),
-        name => Domain { free, fixed, curve, ..Domain::named(name) },
+        name => Domain { curve, ..Domain::named(name) },
     })
 }
 
-fn law() -> impl Strategy<Value = Option<LawParameter>> {
+/// A law with its number.
+fn law() -> impl Strategy<Value = (LawNumber, f64)> {
     prop_oneof![
-        Just(None),
-        positive().prop_map(|g| Some(LawParameter::Friction(g))),
-        positive().prop_map(|limit| Some(LawParameter::Limit(limit)))
+        Just((LawNumber::Free, 0.0)),
+        Just((LawNumber::Fixed, 0.0)),
+        positive().prop_map(|g| (LawNumber::Friction, g)),
+        positive().prop_map(|limit| (LawNumber::Limit, limit))
     ]
+}
+
+/// Laws on all parts that are not named, neither free nor fixed, and on parts.
+fn boundary() -> impl Strategy<Value = [Boundary; 2]> {
+    let parts = proptest::collection::vec((part(), law()), 0..4);
+    (proptest::option::of(law()), parts).prop_map(|(others, parts)| {
+        let others = others.filter(|(of, _)| ![LawNumber::Free, LawNumber::Fixed].contains(of));
+        let of_all = others.map_or_else(Boundary::default, |(of, g)| Boundary::under(of, g));
+        let with =
+            |all: Boundary, (part, (of, g)): (String, (LawNumber, f64))| all.with(&part, of, g);
+        [of_all.clone(), parts.into_iter().fold(of_all, with)]
+    })
 }
 
 fn load() -> impl Strategy<Value = LoadRule> {
@@ -106,8 +120,9 @@ fn f() -> impl Strategy<Value = [String; 2]> {
 fn statement() -> impl Strategy<Value = Statement> {
     let solver = (0..SOLVERS.len()).prop_map(|k| SOLVERS[k].solver);
     let of_solver = (solver, saddle(), proptest::option::of(positive()));
-    (domain(), f(), law(), load(), fineness(), of_solver).prop_map(
-        |(domain, [on_square, elsewhere], law, load, fineness, (solver, saddle, tolerance))| {
+    (domain(), f(), boundary(), load(), fineness(), of_solver).prop_map(
+        |(domain, [on_square, elsewhere], laws, load, fineness, (solver, saddle, tolerance))| {
+            let [of_all, of_parts] = laws;
             let (is_square, is_cube) = (domain.is_square(), domain.is_cube());
             let solver = if solver.entry().in_space || is_square { solver } else { Solver::Uzawa };
             let fits = match fineness {
@@ -127,8 +142,8 @@ fn statement() -> impl Strategy<Value = Statement> {
                 load: (is_square && solver != Solver::Spectral).then_some(load),
                 saddle: solver.is_nested().then_some(SaddleSettings { prolongation, ..saddle }),
                 tolerance: tolerance.filter(|_| solver == Solver::Multigrid && !is_within),
+                boundary: if is_square { of_all } else { of_parts },
                 domain,
-                law,
                 fineness,
                 solver,
             }

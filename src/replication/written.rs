@@ -50,7 +50,7 @@ impl Voice {
     /// for.
     fn refused_accuracy(self, statement: &Statement, refusal: &Refusal) -> Option<Error> {
         let asked = self.accuracy(statement.accuracy()?);
-        let text = match (refusal, statement.domain.is_square()) {
+        let text = match (refusal, statement.has_grids()) {
             (Refusal::Interrupted, _) => return Some(Error::Interrupted),
             (e @ Refusal::NoBound(_), true) => format!("{asked}: {e}; scale f"),
             (Refusal::Size(e), true) => e.on_grid(&format!("{asked}: grid 1/{}", e.finest)),

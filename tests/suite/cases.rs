@@ -28,7 +28,7 @@ macro_rules! pages {
 }
 
 pages! {
-    answers, book, cache, certificate, comparison, damage, domains, f, files, identify, init, links, meshes, names,
+    answers, book, boundary, cache, certificate, comparison, damage, domains, f, files, identify, init, links, meshes, names,
     others, refusals, runs, studies,
 }
 

@@ -8,7 +8,7 @@ use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::levels::{Problem, ProblemError};
 use signorini_mathematics::mesh::{AnyMesh, uniform_cube};
 use signorini_mathematics::multigrid::{Goal, MultigridParams};
-use signorini_mathematics::problem::law::{Law, LawParameter};
+use signorini_mathematics::problem::law::{Law, LawNumber};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::problem::unsolvable::Unsolvable;
 use signorini_mathematics::solvers::{Settings, Solver, solve};
@@ -147,7 +147,7 @@ fn what_the_law_cannot_balance_has_no_bound() {
     let zero = vec![0.0; grid.nodes()];
     let found = bounds(grid, &Source::constant(4.0), law, &zero);
     let [least, most] = [-4.0 * 0.99, 4.0 * 0.99];
-    let (enough, has_parts) = (Some(LawParameter::Friction(1.1)), false);
+    let (enough, has_parts) = (Some((LawNumber::Friction, 1.1)), false);
     let (component, integral, balanced) = (None, 4.0, [least, most]);
     let refused = Unsolvable { component, integral, balanced, enough, has_parts };
     assert_eq!(found, Err(refused.into()));

@@ -2,9 +2,9 @@
 //! elements, files, refusals.
 
 use crate::common::{Dice, Project, TABLE, gmsh_file, number};
-use signorini_mathematics::problem::law::LawParameter;
+use signorini_mathematics::problem::law::LawNumber;
 use signorini_mathematics::solvers::Solver;
-use signorini_mathematics::statement::{Domain, Fineness, Statement};
+use signorini_mathematics::statement::{Boundary, Domain, Fineness, Statement};
 use std::fs;
 
 /// Statement of the true solution on a domain.
@@ -41,11 +41,13 @@ fn digits_of_another_program_are_reached() {
         let parts: Vec<_> = line.split('|').map(str::trim).collect();
         let [problem, f, energy, ends] = parts[..] else { panic!("{line}") };
         let (name, more) = problem.split_once(' ').unwrap_or((problem, ""));
-        let inner = |is_so: bool| is_so.then(|| "inner".to_owned()).into_iter().collect();
-        let (fixed, free) = (inner(more == "fixed"), inner(more == "free"));
-        let domain = Domain { fixed, free, ..Domain::named(name) };
-        let law = (more == "friction").then_some(LawParameter::Friction(0.3));
-        let solved = Statement { law, ..statement(domain, f) }.solved(None);
+        let boundary = match more {
+            "fixed" => Boundary::default().with("inner", LawNumber::Fixed, 0.0),
+            "free" => Boundary::default().with("inner", LawNumber::Free, 0.0),
+            "friction" => Boundary::under(LawNumber::Friction, 0.3),
+            _ => Boundary::default(),
+        };
+        let solved = Statement { boundary, ..statement(Domain::named(name), f) }.solved(None);
         let solved = solved.unwrap_or_else(|e| panic!("{line}: {e}"));
         let energy: f64 = energy.parse().unwrap();
         let off = (solved.energy() - energy).abs();
@@ -84,16 +86,16 @@ fn file_of_regions(points: &[[f64; 2]], regions: &[&[[usize; 3]]], low: &[[usize
 }
 
 /// Polygons: the L-shape, and files with a triangle and with a trapezium, whose lower side may be fixed or free.
-fn polygons() -> Vec<(Domain, Option<Vec<u8>>)> {
+fn polygons() -> Vec<(&'static str, Boundary, Option<Vec<u8>>)> {
     let triangle = file(&[[0.0, 0.0], [1.3, 0.1], [0.4, 1.1]], &[[1, 2, 3]], &[[1, 2]]);
     let points = [[-1.0, -0.5], [1.0, -0.5], [0.5, 0.6], [-0.7, 0.4]];
     let trapezium = file(&points, &[[1, 2, 3], [1, 3, 4]], &[[1, 2]]);
-    let low = || vec!["low".to_owned()];
+    let low = |of| Boundary::default().with("low", of, 0.0);
     vec![
-        (Domain::named("lshape"), None),
-        (Domain::named("triangle.msh"), Some(triangle)),
-        (Domain { fixed: low(), ..Domain::named("trapezium.msh") }, Some(trapezium.clone())),
-        (Domain { free: low(), ..Domain::named("trapezium.msh") }, Some(trapezium)),
+        ("lshape", Boundary::default(), None),
+        ("triangle.msh", Boundary::default(), Some(triangle)),
+        ("trapezium.msh", low(LawNumber::Fixed), Some(trapezium.clone())),
+        ("trapezium.msh", low(LawNumber::Free), Some(trapezium)),
     ]
 }
 
@@ -101,7 +103,7 @@ fn polygons() -> Vec<(Domain, Option<Vec<u8>>)> {
 fn brackets_of_elements_hold_the_true_energies_of_random_problems() {
     let mut dice = Dice(63);
     let (mut solved, mut asked) = (0, 0);
-    for (domain, file) in polygons() {
+    for (domain, boundary, file) in polygons() {
         for k in 0..5 {
             let [x, y] = [0, 1].map(|_| dice.between(-0.6, 0.6));
             let (value, rest) = (dice.between(1.0, 6.0), -dice.between(1.0, 4.0));
@@ -110,8 +112,12 @@ fn brackets_of_elements_hold_the_true_energies_of_random_problems() {
                 1 => format!("rect({x},{},{y},{})={value}; else={rest}", x + 0.5, y + 0.4),
                 _ => format!("halfplane({x},{y},-0.1)={value}; else={rest}"),
             };
-            let law = (k == 4).then_some(LawParameter::Friction(2.0));
-            let truth = Statement { law, ..statement(domain.clone(), &f) };
+            let boundary = match k {
+                4 => boundary.clone().with("", LawNumber::Friction, 2.0),
+                _ => boundary.clone(),
+            };
+            let name = format!("{domain} {f} {boundary:?}");
+            let truth = Statement { boundary, ..statement(Domain::named(domain), &f) };
             let elements = Statement {
                 solver: Solver::Multigrid,
                 fineness: Fineness::Refined(5),
@@ -123,7 +129,6 @@ fn brackets_of_elements_hold_the_true_energies_of_random_problems() {
             solved += 1;
             let brackets = [&elements, &truth].map(|of| of.bounds()[0].as_ref().unwrap().energy);
             let ([low, high], energy) = (brackets[0], truth.energy());
-            let name = format!("{domain:?} {f} {law:?}");
             assert!(low <= energy && energy <= high, "{name}: {low} {energy} {high}");
             let rounding = 1e-10 * energy.abs();
             let [lower, upper] = brackets[1];

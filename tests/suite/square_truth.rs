@@ -7,7 +7,7 @@ use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::AnyMesh;
-use signorini_mathematics::problem::law::{Law, LawParameter};
+use signorini_mathematics::problem::law::{Law, LawNumber};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::solvers::{Refusal, Settings, Solver, solve};
 use signorini_mathematics::spectral::{PlaneError, TrueSolution};
@@ -36,10 +36,10 @@ fn solved(f: &str) -> TrueSolution {
 /// Law of a case: the paper's without a number.
 fn law_of(text: &str) -> Law {
     let law = text.split_once(' ').map(|(name, number)| {
-        let number = number.parse().unwrap();
-        if name == "limit" { LawParameter::Limit(number) } else { LawParameter::Friction(number) }
+        let of = if name == "limit" { LawNumber::Limit } else { LawNumber::Friction };
+        of.law(number.parse().unwrap()).unwrap()
     });
-    law.map_or(Law::SIGNORINI, |law| law.law().unwrap())
+    law.unwrap_or(Law::SIGNORINI)
 }
 
 #[track_caller]

@@ -5,9 +5,9 @@ use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::discrete::end::Stop;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{AnyMesh, Facet, MeshData, Names, Part};
-use signorini_mathematics::problem::law::{Law, LawParameter};
+use signorini_mathematics::problem::law::{Law, LawNumber};
 use signorini_mathematics::solvers::{Run, Settings, Solver, solve};
-use signorini_mathematics::statement::{Domain, Fineness, Statement};
+use signorini_mathematics::statement::{Boundary, Domain, Fineness, Statement};
 
 /// A number from `least` on, below `most`.
 pub(crate) fn count(random: &mut Dice, least: usize, most: usize) -> usize {
@@ -275,16 +275,17 @@ fn refined_plates_are_solved_by_aggregates() {
 #[test]
 fn an_accuracy_takes_no_more_nodes_than_uniform_refinement() {
     const WANTED: f64 = 0.1;
-    let papers = (None, "halfplane(1,0,0.4)=3; else=-4");
-    let friction = (Some(LawParameter::Friction(4.0)), "disc(0.7,0,0.2)=-6; else=1");
-    for (height, (law, f)) in
-        [(0.1, papers), (0.01, papers), (1e-4, papers), (0.2, friction), (0.02, friction)]
+    let papers = (Boundary::default(), "halfplane(1,0,0.4)=3; else=-4");
+    let friction = (Boundary::under(LawNumber::Friction, 4.0), "disc(0.7,0,0.2)=-6; else=1");
+    for (height, (boundary, f)) in
+        [(0.1, &papers), (0.01, &papers), (1e-4, &papers), (0.2, &friction), (0.02, &friction)]
     {
         let nodes = format!("1 0 0 0\n2 1 0 0\n3 1 {height} 0\n4 0 {height} 0");
         let file = gmsh_file(&nodes, "1 2 2 1 1 1 2 3\n2 2 2 1 1 1 3 4");
         let solved = |fineness: Fineness| {
-            let usual = Statement::usual(Domain::named("long.msh"), f);
-            let solved = Statement { law, fineness, ..usual }.solved(Some(file.as_bytes()));
+            let usual = Statement::usual(Domain::named("long.msh"), *f);
+            let boundary = boundary.clone();
+            let solved = Statement { boundary, fineness, ..usual }.solved(Some(file.as_bytes()));
             let solved = solved.expect("a solution");
             let bounds = solved.bounds().last().cloned().expect("bounds").expect("bounds");
             (solved.problem.lengths()[0], bounds.relative(), solved)

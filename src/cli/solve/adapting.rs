@@ -107,5 +107,5 @@ pub(super) fn note(statement: &Statement, voice: Voice, problem: &Problem) -> Op
 
 /// Accuracy to which meshes are adapted; none on the square, and if none is asked for.
 pub(super) fn of_meshes(statement: &Statement) -> Option<Accuracy> {
-    statement.accuracy().filter(|_| !statement.domain.is_square())
+    statement.accuracy().filter(|_| !statement.has_grids())
 }

@@ -131,8 +131,13 @@ impl Request {
 
     /// Returns, on a mesh, how fine it is after so many refinements.
     pub(super) fn refined(&self, times: usize) -> Option<String> {
-        (!self.statement.domain.is_square()).then(|| match (&self.statement.fineness, times) {
-            (Fineness::Width(cells), _) => format!("h 1/{cells}"),
+        let Statement { domain, fineness, .. } = &self.statement;
+        (!self.statement.has_grids()).then(|| match (fineness, times) {
+            (Fineness::Width(cells), _) if domain.is_cube() => format!("h 1/{cells}"),
+            // The same option has meant grids.
+            _ if domain.is_square() => {
+                format!("mesh of width 1/{}", fineness.cells().last().copied().unwrap_or_default())
+            }
             (_, 0) => "not refined".into(),
             (_, 1) => "refined once".into(),
             (_, times) => format!("refined {times} times"),

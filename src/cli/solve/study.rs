@@ -109,8 +109,8 @@ impl<'a> Asked<'a> {
         let memory = Memory::new(machine::available_memory());
         let mut checked = BTreeSet::new();
         for Member { statement, .. } in &self.study.members {
-            let Statement { domain, fineness, solver, f, .. } = statement;
-            let kind = format!("{domain:?} {fineness:?} {solver} {f}");
+            let Statement { domain, boundary, fineness, solver, f, .. } = statement;
+            let kind = format!("{domain:?} {boundary:?} {fineness:?} {solver} {f}");
             if !checked.insert(kind) {
                 continue;
             }

@@ -6,10 +6,10 @@ use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{AnyMesh, PlaneMesh};
-use signorini_mathematics::problem::law::Law;
+use signorini_mathematics::problem::law::{Law, LawNumber};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{Iteration, Pair};
-use signorini_mathematics::statement::{Domain, Fineness, Statement};
+use signorini_mathematics::statement::{Boundary, Domain, Fineness, Statement};
 
 /// A picture under a title that needs escaping.
 pub(super) fn svg(picture: &Picture) -> String {
@@ -36,13 +36,21 @@ pub(super) fn unusual() -> Vec<(String, String)> {
     figures
 }
 
-/// Solves on a mesh refined `times` times.
-fn solved(domain: Domain, times: u8, f: &str) -> DrawnSolution {
-    let (name, file) = (domain.name.clone(), domain.is_file().then(gear_file));
-    let fineness = Fineness::Refined(times);
-    let statement = Statement { fineness, ..Statement::usual(domain, f) };
+/// Statement on a mesh refined `times` times, whose hole is free if it has one.
+fn on(name: &str, times: u8, f: &str) -> Statement {
+    let mut statement = Statement::usual(Domain::named(name), f);
+    if statement.domain.is_file() {
+        statement.boundary = Boundary::default().with("hole", LawNumber::Free, 0.0);
+    }
+    Statement { fineness: Fineness::Refined(times), ..statement }
+}
+
+/// Solves such a statement.
+fn solved(name: &str, times: u8, f: &str) -> DrawnSolution {
+    let statement = on(name, times, f);
+    let file = statement.domain.is_file().then(gear_file);
     let solved = statement.solved(file.as_deref()).unwrap();
-    DrawnSolution::of(name, &solved.problem, &solved.pair(), 2).unwrap()
+    DrawnSolution::of(name.into(), &solved.problem, &solved.pair(), 2).unwrap()
 }
 
 /// Problem on one grid of the square.
@@ -79,15 +87,13 @@ fn gear_file() -> Vec<u8> {
 fn meshes() -> Vec<(String, String)> {
     let [disc, lshape, annulus] =
         ["disc", "lshape", "annulus"].map(|name| AnyMesh::built_in(name).unwrap());
-    // Its hole is free.
-    let gear_domain = Domain { free: vec!["hole".into()], ..Domain::named("gear") };
-    let gear = Statement::usual(gear_domain.clone(), "else=-1").mesh(Some(&gear_file()));
-    let gear = gear.unwrap().unwrap();
+    let f_on_gear = "disc(0.5,0.3,0.4)=4; else=-1.5";
+    let gear = on("gear", 1, f_on_gear).mesh(Some(&gear_file())).unwrap().unwrap();
     let drawn = [
-        ("disc", solved(Domain::named("disc"), 4, "disc(0.4,0,0.4)=5; else=-1")),
-        ("lshape", solved(Domain::named("lshape"), 4, "rect(-1,0,-1,0)=2; else=-2")),
-        ("annulus", solved(Domain::named("annulus"), 3, "halfplane(1,0,0)=1; else=-2")),
-        ("gear", solved(gear_domain, 1, "disc(0.5,0.3,0.4)=4; else=-1.5")),
+        ("disc", solved("disc", 4, "disc(0.4,0,0.4)=5; else=-1")),
+        ("lshape", solved("lshape", 4, "rect(-1,0,-1,0)=2; else=-2")),
+        ("annulus", solved("annulus", 3, "halfplane(1,0,0)=1; else=-2")),
+        ("gear", solved("gear", 1, f_on_gear)),
     ];
     let mut figures = Vec::new();
     for (name, one) in &drawn {

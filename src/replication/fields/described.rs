@@ -105,7 +105,7 @@ impl Field {
         };
         let domains = match self.domains {
             Domains::All => "",
-            Domains::Square => "the square",
+            Domains::Grids => "the square",
             Domains::SquareAndCube => "the square, the cube",
             Domains::Plane => "domains in the plane",
             Domains::Meshes => "meshes",

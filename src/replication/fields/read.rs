@@ -3,6 +3,7 @@
 use super::Fields;
 use super::names::check_names;
 use super::table::{FIELDS, Field, Reading, Refused, Voice, without_accuracy};
+use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::solvers::Solver;
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
@@ -27,32 +28,35 @@ impl Fields {
         let mut of = Statement { solver: self.usual_solver(&base, voice), ..base };
         // What else may be given depends on these.
         let (first, others): (Vec<_>, Vec<_>) =
-            FIELDS.iter().partition(|field| ["domain", "solver"].contains(&field.name));
+            FIELDS.iter().partition(|field| field.decides_others());
         for field in first {
             of = self.give(field, of, voice)?;
         }
-        let Statement { solver, saddle, .. } = of;
-        self.check(voice, &of.domain, solver)?;
+        let (solver, has_grids) = (of.solver, of.has_grids());
+        self.check(voice, &of)?;
         if !solver.entry().in_space && of.domain.is_built_in_space() {
             let given = voice.with_value("solver", solver.entry().name);
             let text =
                 format!("{given} is for domains in the plane; choose another, or leave it out");
             return Err(Refused::new("solver", text));
         }
-        of.load = of.load.filter(|_| solver != Solver::Spectral);
-        of.saddle = solver.is_nested().then(|| saddle.unwrap_or_default());
+        of.load = of.load.or(Some(Statement::LOAD));
+        of.load = of.load.filter(|_| has_grids && solver != Solver::Spectral);
+        let mut saddle = of.saddle.unwrap_or_default();
+        if !has_grids {
+            saddle.prolongation = Prolongation::default();
+            of.fineness = of.fineness.on_meshes();
+        }
+        of.saddle = solver.is_nested().then_some(saddle);
         of.tolerance = of.tolerance.filter(|_| solver == Solver::Multigrid || solver.is_nested());
         if solver != Solver::Multigrid {
             of.fineness = without_accuracy(of.fineness);
         }
-        // A part that one option names is no longer of the other kind.
-        of.domain.free.retain(|part| !self.texts("fixed").contains(part));
-        of.domain.fixed.retain(|part| !self.texts("free").contains(part));
         for field in others {
             of = self.give(field, of, voice)?;
         }
         if self.has("f") {
-            of.f = f_on(&of.domain, &of.f, voice)?;
+            of.f = f_on(has_grids, &of.f, voice)?;
         }
         Ok(of)
     }
@@ -81,10 +85,10 @@ impl Fields {
     }
 }
 
-/// Reads f on a domain, on the square as far as it can be without a mesh.
-fn f_on(domain: &Domain, f: &str, voice: Voice) -> Reading<String> {
+/// Reads f, on grids as far as it can be without a mesh.
+fn f_on(has_grids: bool, f: &str, voice: Voice) -> Reading<String> {
     check_names(f)?;
-    Ok(match domain.is_square() {
+    Ok(match has_grids {
         true => {
             let read = f.parse::<Source>();
             let place = if voice == Voice::Keys { "" } else { "--f: " };

@@ -8,7 +8,7 @@ use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::mesh::AnyMesh;
-use signorini_mathematics::problem::law::LawParameter;
+use signorini_mathematics::problem::law::LawNumber;
 use signorini_mathematics::problem::text::Written;
 use signorini_mathematics::saddle::StopRule;
 use signorini_mathematics::solvers::{SOLVERS, SaddleSettings, Solver};
@@ -23,6 +23,8 @@ pub(crate) struct Field {
     pub(crate) name: &'static str,
     /// Table of a scene in which the key stands; none at the top.
     pub(crate) table: Option<&'static str>,
+    /// Meaning of its numbers in the laws on the boundary; such a key stands in the table of the boundary too.
+    pub(super) law: Option<LawNumber>,
     /// Help of the option, and what the manual page has besides.
     pub(super) help: &'static str,
     pub(super) more: &'static str,
@@ -54,7 +56,8 @@ pub(crate) struct Field {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Domains {
     All,
-    Square,
+    /// The square, where it has grids.
+    Grids,
     SquareAndCube,
     /// Domains in the plane, as is seen when the mesh has been read.
     Plane,
@@ -62,18 +65,20 @@ pub(super) enum Domains {
 }
 
 impl Domains {
-    /// True if a domain is among them, as far as is seen without its mesh.
-    fn contain(self, domain: &Domain) -> bool {
-        let (is_square, is_cube) = (domain.is_square(), domain.is_cube());
+    /// True if the domain of a statement is among them, as far as is seen without its mesh.
+    fn contain(self, of: &Statement) -> bool {
+        let (is_square, is_cube) = (of.domain.is_square(), of.domain.is_cube());
         match self {
             Self::All | Self::Plane => true,
-            Self::Square => is_square,
+            Self::Grids => of.has_grids(),
             Self::SquareAndCube => is_square || is_cube,
             Self::Meshes => !is_square,
         }
     }
 }
 
+/// Table of a scene with what holds on each part of the boundary.
+pub(crate) const BOUNDARY: &str = "boundary";
 /// Folder of the project from which scenes name their meshes.
 pub(crate) const FOLDER: &str = "pipeline";
 
@@ -97,6 +102,7 @@ const GOAL: &str = "where the solver stops";
 const ANY: Field = Field {
     name: "",
     table: None,
+    law: None,
     help: "",
     more: "",
     value_name: "",
@@ -135,23 +141,24 @@ pub(crate) static FIELDS: [Field; 20] = [
         texts: |of| vec![of.domain.name.clone()],
         set: |of, given| {
             let domain = Domain { name: given.concat(), ..of.domain };
-            let load = of.load.or(Some(Statement::LOAD)).filter(|_| domain.is_square());
-            Ok(Statement { domain, load, ..of })
+            Ok(Statement { domain, ..of })
         },
         ..ANY
     },
     Field {
         name: "free",
         help: "Part of the boundary where dv/dn = 0; others are in contact",
-        texts: |of| of.domain.free.clone(),
-        set: |of, given| on_domain(of, |domain| Domain { free: given.to_vec(), ..domain }),
+        law: Some(LawNumber::Free),
+        texts: |of| texts_of_law(of, LawNumber::Free),
+        set: |of, given| under(of, LawNumber::Free, given),
         ..PART
     },
     Field {
         name: "fixed",
         help: "Part of the boundary where v = 0",
-        texts: |of| of.domain.fixed.clone(),
-        set: |of, given| on_domain(of, |domain| Domain { fixed: given.to_vec(), ..domain }),
+        law: Some(LawNumber::Fixed),
+        texts: |of| texts_of_law(of, LawNumber::Fixed),
+        set: |of, given| under(of, LawNumber::Fixed, given),
         ..PART
     },
     Field {
@@ -160,10 +167,11 @@ pub(crate) static FIELDS: [Field; 20] = [
         more: "Refinement puts new nodes there. A circle is x,y,radius; a sphere x,y,z,radius; a cylinder a point, a \
             direction and a radius.",
         value_name: "PART=NUMBERS",
+        domains: Domains::Meshes,
         texts: |of| of.domain.curve.iter().map(curve_in_words).collect(),
         set: |of, given| {
-            let curve = curves(given)?;
-            on_domain(of, |domain| Domain { curve, ..domain })
+            let domain = Domain { curve: curves(given)?, ..of.domain };
+            Ok(Statement { domain, ..of })
         },
         ..PART
     },
@@ -172,8 +180,9 @@ pub(crate) static FIELDS: [Field; 20] = [
         help: "Law: |dv/dn| is at most G, and v is 0 where it is less",
         more: "With PART=G, as hole=0.3, it holds on this part alone.",
         value_name: "[PART=]G",
-        texts: |of| laws_in_words(of, "friction"),
-        set: |of, given| under_laws(of, LawParameter::Friction, given),
+        law: Some(LawNumber::Friction),
+        texts: |of| texts_of_law(of, LawNumber::Friction),
+        set: |of, given| under(of, LawNumber::Friction, given),
         ..OF_LAW
     },
     Field {
@@ -182,8 +191,9 @@ pub(crate) static FIELDS: [Field; 20] = [
         more: "With PART=LIMIT, as hole=2, it holds on this part alone.",
         value_name: "[PART=]LIMIT",
         is_rare: true,
-        texts: |of| laws_in_words(of, "limit"),
-        set: |of, given| under_laws(of, LawParameter::Limit, given),
+        law: Some(LawNumber::Limit),
+        texts: |of| texts_of_law(of, LawNumber::Limit),
+        set: |of, given| under(of, LawNumber::Limit, given),
         ..OF_LAW
     },
     Field {
@@ -228,7 +238,7 @@ pub(crate) static FIELDS: [Field; 20] = [
         value_name: "N,..",
         heading: Some(PAPERS),
         is_rare: true,
-        domains: Domains::Square,
+        domains: Domains::Grids,
         texts: |of| texts_of_fineness(of, "grids"),
         set: |of, given| Ok(Statement { fineness: Fineness::Grids(grids(given)?), ..of }),
         ..FINENESS
@@ -276,7 +286,7 @@ pub(crate) static FIELDS: [Field; 20] = [
             LoadRule::ALL.map(|of| PossibleValue::new(of.name()).help(of.description())).to_vec()
         },
         solvers: |solver| solver != Solver::Spectral,
-        domains: Domains::Square,
+        domains: Domains::Grids,
         texts: |of| of.load.iter().map(LoadRule::to_string).collect(),
         set: |of, given| Ok(Statement { load: Some(given.concat().parse()?), ..of }),
         ..ANY
@@ -334,7 +344,7 @@ pub(crate) static FIELDS: [Field; 20] = [
         value_name: "RULE",
         is_rare: true,
         suggested: || Prolongation::ALL.map(|rule| PossibleValue::new(rule.name())).to_vec(),
-        domains: Domains::Square,
+        domains: Domains::Grids,
         texts: |of| of.saddle.iter().map(|of| of.prolongation.name().to_owned()).collect(),
         set: |of, given| {
             let all = Prolongation::ALL.map(Prolongation::name);
@@ -385,7 +395,6 @@ const PART: Field = Field {
     value_name: "PART",
     is_rare: true,
     is_list: true,
-    domains: Domains::Meshes,
     is_of_problem: true,
     ..ANY
 };
@@ -404,12 +413,6 @@ const ACCURACY: Field = Field {
 };
 /// Field of the saddle-point methods.
 const OF_SADDLE: Field = Field { heading: Some(PAPERS), solvers: Solver::is_nested, ..ANY };
-
-/// The statement on another domain.
-#[expect(clippy::unnecessary_wraps, reason = "fields are given by functions that may fail")]
-fn on_domain(of: Statement, other: impl FnOnce(Domain) -> Domain) -> Result<Statement, String> {
-    Ok(Statement { domain: other(of.domain), ..of })
-}
 
 /// The statement by a saddle-point method with other settings.
 fn by_saddle(of: Statement, other: impl FnOnce(SaddleSettings) -> SaddleSettings) -> Statement {
@@ -434,44 +437,57 @@ fn texts_of_fineness(of: &Statement, name: &str) -> Vec<String> {
     fineness.into_iter().map(Fineness::to_string).collect()
 }
 
-/// Texts of the laws with this name: its number, and `PART=NUMBER` for each part that has one of its own.
-fn laws_in_words(of: &Statement, name: &str) -> Vec<String> {
-    let number = |law: LawParameter| {
-        let (own, number) = law.named();
-        (own == name).then(|| Written(number).to_string())
+/// Texts of the numbers of this kind: that of all parts that are not named, and those of each part.
+fn texts_of_law(of: &Statement, law: LawNumber) -> Vec<String> {
+    let text = |(part, number): (&str, f64)| match said(law, part) {
+        _ if part.is_empty() => Written(number).to_string(),
+        (_, None) if number == 0.0 => part.to_owned(),
+        _ => format!("{part}={}", Written(number)),
     };
-    let of_parts = of.domain.laws.iter();
-    let of_parts = of_parts.filter_map(|(part, law)| Some(format!("{part}={}", number(*law)?)));
-    of.law.and_then(number).into_iter().chain(of_parts).collect()
+    of.boundary.numbers(law).map(text).collect()
 }
 
-/// The statement with these laws of one kind, each a number or `PART=NUMBER`, in place of others of this kind; with a
-/// number alone, in place of the law of all other parts as well.
-fn under_laws(
-    mut of: Statement,
-    kind: fn(f64) -> LawParameter,
-    given: &[String],
-) -> Result<Statement, String> {
-    let is_other = |law: &LawParameter| law.named().0 != kind(1.0).named().0;
-    of.law = of.law.filter(is_other);
-    of.domain.laws.retain(|_, law| is_other(law));
-    for text in given {
+/// The part of which a text says something, empty for all that are not named, and the number; a free and a fixed part
+/// may stand without one.
+fn said(law: LawNumber, text: &str) -> (&str, Option<&str>) {
+    let stands_alone = matches!(law, LawNumber::Free | LawNumber::Fixed);
+    match text.rsplit_once('=') {
         // A name may have the sign.
-        let (part, number) = match text.rsplit_once('=') {
-            Some((part, number)) => (Some(part.trim().to_owned()), number),
-            None => (None, text.as_str()),
+        Some((part, number)) if !stands_alone || number.parse::<Written>().is_ok() => {
+            (part.trim_end(), Some(number))
+        }
+        _ if stands_alone => (text, None),
+        _ => ("", Some(text)),
+    }
+}
+
+/// The statement with these numbers of one kind in place of others of this kind, and of other laws on their parts.
+fn under(of: Statement, law: LawNumber, given: &[String]) -> Result<Statement, String> {
+    let (mut boundary, mut numbers) = (of.boundary.without(law), BTreeMap::new());
+    for text in given {
+        let (part, number) = said(law, text);
+        if part.is_empty() && number != Some(text.as_str()) {
+            return Err("the name of a part is empty".into());
+        }
+        let number = match (law, number) {
+            (LawNumber::Friction | LawNumber::Limit, number) => {
+                positive(&[number.unwrap_or_default().to_owned()], "0.3")?
+            }
+            (_, Some(number)) if number.parse().is_ok_and(|Written(number)| number != 0.0) => {
+                return Err(ZERO.into());
+            }
+            _ => 0.0,
         };
-        let law = kind(positive(&[number.to_owned()], "0.3")?);
-        let before = match part {
-            Some(part) => of.domain.laws.insert(part, law),
-            None => of.law.replace(law).filter(|before| !is_other(before)),
-        };
-        if before.is_some() {
+        if numbers.insert(part, number).is_some_and(|before| before != number) {
             return Err("the part has a law already; name it once".into());
         }
+        boundary = boundary.with(part, law, number);
     }
-    Ok(of)
+    Ok(Statement { boundary, ..of })
 }
+
+/// Reason why a part has no number.
+const ZERO: &str = "v is 0 on a fixed part, and the flux is 0 on a free one; name the part alone";
 
 /// Text of the curve of a part.
 fn curve_in_words((part, numbers): (&String, &Vec<f64>)) -> String {
@@ -553,7 +569,7 @@ impl Field {
 
     /// Value in a statement, in texts as options have it; none where it has none.
     pub(super) fn value_in(&self, statement: &Statement) -> Option<Vec<String>> {
-        let has_it = self.domains.contain(&statement.domain);
+        let has_it = self.domains.contain(statement);
         has_it.then(|| (self.texts)(statement)).filter(|texts| !texts.is_empty())
     }
 
@@ -608,9 +624,30 @@ impl Field {
         (one != other).then_some([one, other])
     }
 
-    /// True if these texts are about single parts of the boundary.
-    fn is_of_parts(&self, texts: &[String]) -> bool {
-        self.table == Some("law") && texts.iter().all(|text| text.contains('='))
+    /// The part that is named in a text of a law, and its number, if both are.
+    pub(super) fn part_and_number<'a>(&self, text: &'a str) -> Option<(&'a str, &'a str)> {
+        let (part, number) = said(self.law?, text);
+        number.filter(|_| !part.is_empty()).map(|number| (part, number))
+    }
+
+    /// True if it decides which others may be given.
+    pub(super) fn decides_others(&self) -> bool {
+        ["domain", "solver"].contains(&self.name) || self.law.is_some()
+    }
+
+    /// True if the key may stand in this table of a scene.
+    pub(super) fn stands_in(&self, table: &str) -> bool {
+        self.table == Some(table) || table == BOUNDARY && self.law.is_some()
+    }
+
+    /// Fact that both this field and another say with these texts; none if they go together.
+    fn says_twice(&self, texts: &[String], (other, others): (&Field, &[String])) -> Option<String> {
+        let (Some(law), Some(other_law)) = (self.law, other.law) else {
+            return self.says_as(other).map(str::to_owned);
+        };
+        let mut others = others.iter().map(|text| said(other_law, text).0);
+        let part = others.find(|part| texts.iter().any(|text| said(law, text).0 == *part))?;
+        Some(if part.is_empty() { LAW.into() } else { format!("{LAW} on {part}") })
     }
 
     /// Fact that both this field and another say; none if they go together.
@@ -718,24 +755,27 @@ impl From<Refused> for Error {
 }
 
 impl Fields {
-    /// Refuses fields that do not go with a solver, a domain, each other or a scene.
-    pub(super) fn check(&self, voice: Voice, domain: &Domain, solver: Solver) -> Reading<()> {
+    /// Refuses fields that do not go with the solver, the domain and the laws of a statement, each other or a scene.
+    pub(super) fn check(&self, voice: Voice, of: &Statement) -> Reading<()> {
         for (place, field) in FIELDS.iter().enumerate().filter(|(_, field)| self.has(field.name)) {
             if voice == Voice::OverScene && field.name == "domain" {
                 let text = "does not go with a scene, which has its own; leave it out, or give --f in place of the \
                             scene";
                 return Err(field.refused(voice, text));
             }
-            if voice == Voice::Keys && field.table == Some("domain") && !self.has("domain") {
+            let is_of_mesh = field.table == Some("domain") && field.domains == Domains::Meshes;
+            if voice == Voice::Keys && is_of_mesh && !self.has("domain") {
                 let text =
                     "missing field `name` of `domain`, which has no meshes without it; add it";
                 return Err(Refused::new("domain", text));
             }
-            field.check_domain(voice, domain)?;
-            field.check_solver(voice, solver)?;
-            let says = |of: &&Field| self.has(of.name) && !of.is_of_parts(self.texts(of.name));
-            let mut before = FIELDS[..place].iter().filter(says).filter(|_| says(&field));
-            let twice = before.find_map(|other| Some((other, field.says_as(other)?)));
+            field.check_domain(voice, of)?;
+            field.check_solver(voice, of.solver)?;
+            let mut before = FIELDS[..place].iter().filter(|of| self.has(of.name));
+            let twice = before.find_map(|other| {
+                let others = (other, self.texts(other.name));
+                Some((other, field.says_twice(self.texts(field.name), others)?))
+            });
             if let Some((other, what)) = twice {
                 let text = format!(
                     "and {} both say {what}; leave one of them out",
@@ -754,13 +794,18 @@ impl Field {
     }
 
     /// Refuses the field on a domain that does not have it.
-    fn check_domain(&self, voice: Voice, domain: &Domain) -> Reading<()> {
+    fn check_domain(&self, voice: Voice, of: &Statement) -> Reading<()> {
+        let domain = &of.domain;
         let text = match self.domains {
-            _ if self.domains.contain(domain) => return Ok(()),
+            _ if self.domains.contain(of) => return Ok(()),
+            Domains::Grids if domain.is_square() => {
+                "is about grids, and under laws of its sides the square has a mesh; leave it out"
+                    .to_owned()
+            }
             _ if voice == Voice::OverScene => {
                 format!("does not go with the scene's domain, {}; leave it out", domain.name)
             }
-            Domains::Square => "is for the square; leave it out, or choose the square".to_owned(),
+            Domains::Grids => "is for the square; leave it out, or choose the square".to_owned(),
             Domains::SquareAndCube => {
                 let refine = voice.with_value("refine", "K");
                 format!("is for the square and the cube; refine {} with {refine}", domain.name)

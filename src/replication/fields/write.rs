@@ -1,12 +1,11 @@
 //! A statement as options of `solve`, and as the keys of a scene.
 
 use super::member::Varying;
-use super::table::FIELDS;
-use super::table::FOLDER;
+use super::table::{BOUNDARY, FIELDS, FOLDER, toml};
 use crate::replication::output::Output;
 use signorini_mathematics::statement::{Fineness, Statement};
 use std::borrow::Cow;
-use toml::Value;
+use toml::{Table, Value};
 
 /// Returns the options of `solve` that state a problem, each with its value.
 fn options(statement: &Statement) -> Vec<[String; 2]> {
@@ -74,9 +73,19 @@ pub(crate) fn study(title: &str, first: &Statement, lists: &[(String, Vec<Varyin
 /// Returns the lines of a title and a statement without these fields; of a domain about which nothing else is said, its
 /// name.
 fn keys(title: &str, statement: &Statement, without: &[&str]) -> String {
-    let mut lines = vec![("title", Value::from(title))];
+    let (mut lines, mut boundary) = (vec![("title", Value::from(title))], Table::new());
     for field in FIELDS.iter().filter(|field| !without.contains(&field.name)) {
         let Some(texts) = field.named(statement) else { continue };
+        let (of_parts, texts): (Vec<_>, Vec<_>) =
+            texts.into_iter().partition(|text| field.part_and_number(text).is_some());
+        for (part, number) in of_parts.iter().filter_map(|text| field.part_and_number(text)) {
+            let numbers = boundary.entry(part).or_insert_with(|| Value::Table(Table::new()));
+            let numbers = numbers.as_table_mut().expect("made above");
+            numbers.insert(field.name.to_owned(), toml(number));
+        }
+        if texts.is_empty() {
+            continue;
+        }
         let (key, value) = (field.table.unwrap_or(field.name), field.toml(&texts));
         let known = lines.iter_mut().find(|(known, _)| *known == key);
         match known.map(|(_, known)| known) {
@@ -85,6 +94,9 @@ fn keys(title: &str, statement: &Statement, without: &[&str]) -> String {
             None if field.table.is_some() => lines.push((key, table([(field.name, value)]))),
             None => lines.push((key, value)),
         }
+    }
+    if !boundary.is_empty() {
+        lines.push((BOUNDARY, boundary.into()));
     }
     let lines: Vec<_> = lines.iter().map(|(key, value)| format!("{key} = {value}")).collect();
     lines.join("\n") + "\n"

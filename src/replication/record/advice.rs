@@ -93,7 +93,7 @@ impl Adviser<'_> {
             }
             Warning::Rounding { .. } => Some(self.other_cells()),
             Warning::Points { .. } | Warning::Quadrature { .. } => {
-                Some(Remedy::words(match self.is_on_square() {
+                Some(Remedy::words(match self.has_grids() {
                     true => format!("choose a smaller {}", self.voice.name("h")),
                     false => "write jumps of f as shapes, or refine the mesh".into(),
                 }))
@@ -159,8 +159,8 @@ impl Adviser<'_> {
         Advice { fact: failure.to_string(), remedies: vec![remedy] }
     }
 
-    fn is_on_square(self) -> bool {
-        self.statement.domain.is_square()
+    fn has_grids(self) -> bool {
+        self.statement.has_grids()
     }
 
     /// Remedy by multigrid, behind these words.
@@ -193,11 +193,11 @@ impl Adviser<'_> {
 
     /// Remedy for a load vector that no flux balances.
     fn balanced(self) -> String {
-        let (fineness, is_papers_law) = (self.fineness(), self.statement.is_signorini());
+        let (fineness, is_papers_law) = (self.fineness(), self.statement.boundary.is_signorini());
         let other = if is_papers_law { "a lower f" } else { "a wider law" };
         match self.takes_exact() {
             true => format!("use {}, another {fineness}, or {other}", self.exact()),
-            false if self.is_on_square() => format!("use another {fineness} or {other}"),
+            false if self.has_grids() => format!("use another {fineness} or {other}"),
             false if is_papers_law => "lower f somewhere".into(),
             false => "change f, or widen the law".into(),
         }
@@ -226,7 +226,7 @@ impl Adviser<'_> {
 
     /// Remedy for a discrete problem that no solver has solved.
     fn other_cells(self) -> Remedy {
-        Remedy::words(match self.is_on_square() {
+        Remedy::words(match self.has_grids() {
             true => format!("choose another {}", self.fineness()),
             false => {
                 "its cells are stretched too much; mesh with smaller aspects, or with fewer cells"

@@ -9,7 +9,7 @@ use crate::replication::fields::table::FIELDS;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use signorini_mathematics::bounds::Accuracy;
-use signorini_mathematics::problem::law::{Law, LawParameter};
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::solvers::{Run, Solved};
 use signorini_mathematics::statement::{Fineness, Statement};
 
@@ -58,12 +58,8 @@ pub(crate) fn details(
 /// Returns the settings, by name, on which an answer on levels depends besides f and how fine they are: the law, and
 /// the fields that not all solvers take.
 pub(crate) fn settings(statement: &Statement) -> Vec<(&'static str, Varying)> {
-    let of_parts = statement.domain.laws.iter();
-    let of_parts =
-        of_parts.filter_map(|(part, law)| Some(format!("{} on {part}", in_words(*law)?)));
-    let laws: Vec<_> = statement.law.and_then(in_words).into_iter().chain(of_parts).collect();
-    let laws = (!laws.is_empty()).then(|| ("law", Varying::Text(laws.join(", "))));
-    let mut settings: Vec<_> = laws.into_iter().collect();
+    let laws = statement.boundary.in_words().ok().flatten();
+    let mut settings: Vec<_> = laws.map(|laws| ("law", Varying::Text(laws))).into_iter().collect();
     for field in FIELDS.iter().filter(|field| field.is_of_solver()) {
         settings.extend(field.varying(statement).map(|value| (field.name, value)));
     }
@@ -73,11 +69,6 @@ pub(crate) fn settings(statement: &Statement) -> Vec<(&'static str, Varying)> {
 /// Ends of the interval of a law.
 fn ends(law: Law) -> Value {
     json!({ "lo": finite(law.lo()), "hi": finite(law.hi()) })
-}
-
-/// A law in words.
-fn in_words(law: LawParameter) -> Option<String> {
-    Some(law.law().ok()?.to_string())
 }
 
 /// A number, null if it is infinite.
@@ -114,10 +105,12 @@ fn of_truth(checks: &impl Serialize) -> Value {
 fn on_levels(statement: &Statement, solved: &Solved, run: &Run) -> Value {
     let problem = &solved.problem;
     let states = run.judgement.state_counts();
+    let has_width =
+        statement.domain.is_square() || matches!(statement.fineness, Fineness::Width(_));
     let mut json = json!({
         // Of the square and the cube that of their cells, on other meshes the longest edge.
-        "h": match statement.fineness {
-            Fineness::Width(cells) => 1.0 / cells as f64,
+        "h": match statement.fineness.cells().last() {
+            Some(&cells) if has_width && statement.accuracy().is_none() => 1.0 / cells as f64,
             _ => problem.levels().facts().width,
         },
         "unknowns": run.y.len(),

@@ -64,7 +64,7 @@ impl Scene {
 
     /// Makes the checks that concern the scene as a whole.
     pub(super) fn complete(mut self) -> Reading<Self> {
-        if !self.statement.is_signorini() && self.paper_table.is_some() {
+        if !self.statement.boundary.is_signorini() && self.paper_table.is_some() {
             let text =
                 "the published tables are for the paper's law; leave out `law`, or `paper_table`";
             return Err(Refused::new("law", text));
@@ -97,7 +97,7 @@ impl Scene {
 
 /// Checks a statement of a scene with these keys on the square or, on another domain, as far as no mesh is needed.
 pub(super) fn check_on_domain(statement: &Statement, keys: &SceneKeys) -> Reading<()> {
-    if !statement.domain.is_square() {
+    if !statement.has_grids() {
         if keys.paper_table.is_some() {
             let text = "`paper_table` is for the square; leave it out beside `domain`";
             return Err(Refused::new("paper_table", text));

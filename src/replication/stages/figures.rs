@@ -246,7 +246,7 @@ fn draw(output: Output, scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Fa
 /// Draws f: on the square by the borders of its pieces, on a mesh by its means over the triangles.
 fn draw_maps(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
     if let [scene] = scenes
-        && !scene.statement.domain.is_square()
+        && !scene.statement.has_grids()
     {
         let problem = mesh_files::problem(&scene.statement.on_usual_meshes(), inputs.files)?;
         return Ok(map_of_f(&scene.title, &problem)?);

@@ -16,7 +16,6 @@ use polars::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use signorini_mathematics::discrete::end::Stop;
-use signorini_mathematics::problem::law::LawParameter;
 use signorini_mathematics::saddle::{StopRule, tolerance};
 use signorini_mathematics::solvers::SaddleSettings;
 use signorini_mathematics::statement::Statement;
@@ -85,8 +84,8 @@ impl SolveOfMember {
 
     /// Name of the law as scenes write it, and its parameter.
     fn law_and_parameter(&self) -> (&'static str, Option<f64>) {
-        let named = self.statement.law.map(LawParameter::named);
-        named.map_or(("signorini", None), |(name, number)| (name, Some(number)))
+        let said = self.statement.boundary.first("");
+        said.map_or(("signorini", None), |(of, number)| (of.name(), Some(number)))
     }
 }
 

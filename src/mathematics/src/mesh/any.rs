@@ -242,18 +242,8 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
             true => format!(
                 "`{name}` lies inside the domain, where {where_inside}; the parts of the boundary are {parts}"
             ),
-            false if self.has_part_before_equals(name) => format!(
-                "`{name}` gives a part a value; v is 0 on a fixed part, and the flux is 0 on a free one: name \
-                 the part alone"
-            ),
             false => format!("the mesh has no part `{name}`; its parts are {parts}"),
         })
-    }
-
-    /// True if a name is that of a part with `=` and a value behind it.
-    fn has_part_before_equals(&self, name: &str) -> bool {
-        let part = name.split_once('=').map(|(part, _)| part.trim());
-        part.is_some_and(|part| self.parts.iter().any(|own| own.names.contains(part)))
     }
 
     fn set_law(&mut self, name: &str, law: Law) -> Result<(), String> {

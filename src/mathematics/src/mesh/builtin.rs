@@ -188,6 +188,23 @@ pub fn uniform_square(grid: Grid) -> PlaneMesh {
     lattice_mesh(&lines)
 }
 
+/// The paper's triangulation of the square, with its sides as parts: `bottom`, `right`, `top` and `left`.
+///
+/// # Panics
+/// If `n` is zero.
+pub(crate) fn square_with_sides(n: usize) -> PlaneMesh {
+    let mut mesh = uniform_square(Grid::new(n).expect("some cells"));
+    let sides = ["bottom", "right", "top", "left"];
+    mesh.parts = sides.map(|side| Part { names: side.into(), ..mesh.parts[0].clone() }).to_vec();
+    for facet in &mut mesh.facets {
+        let [[x0, y0], [x1, y1]] = facet.nodes.map(|node| mesh.points[node as usize]);
+        let is_on = [y0 + y1 == -1.0, x0 + x1 == 1.0, y0 + y1 == 1.0, x0 + x1 == -1.0];
+        let side = is_on.iter().position(|is_on| *is_on).expect("an edge of the boundary");
+        facet.part = side as u16;
+    }
+    mesh
+}
+
 /// Triangulation of the square between these lines, the same along both axes, ascending; each cell is cut by its rising
 /// diagonal.
 ///

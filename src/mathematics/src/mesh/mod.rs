@@ -52,6 +52,7 @@ pub(crate) use edges::Edges;
 pub use error::MeshError;
 pub use errors::mesh_errors;
 
+pub(crate) use builtin::square_with_sides;
 pub use builtin::{lattice_mesh, uniform_cube, uniform_square};
 pub(crate) use facets::{sides_of, sorted};
 pub use geometry::{Element, centroid, size, volume};

@@ -32,14 +32,18 @@ pub struct Law {
     hi: f64,
 }
 
-/// Parameter of a law as texts and files have it; the paper's law has none.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum LawParameter {
+/// Meaning of a number of the law on a part of the boundary; the paper's law has none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LawNumber {
+    /// The flux of a free part.
+    Free,
+    /// The value of v on a fixed part.
+    Fixed,
     /// Bound g of the friction: the flux lies in `[-g, g]`.
-    Friction(f64),
+    Friction,
     /// Largest flux: it lies in `[0, limit]`.
-    Limit(f64),
+    Limit,
 }
 
 /// Node of the boundary with its law.
@@ -214,14 +218,14 @@ impl LawSum {
 
     /// Friction or limit, in two digits and with something to spare, under which this flux can leave; none if the laws
     /// are neither, or no limit lets such a flux through.
-    pub(super) fn balancing(&self, flux: f64) -> Option<LawParameter> {
+    pub(super) fn balancing(&self, flux: f64) -> Option<(LawNumber, f64)> {
         let ([lo, hi], mean) = (self.fluxes, flux / self.measure);
-        let parameter = match () {
-            () if lo == -hi => LawParameter::Friction(above(mean.abs())),
-            () if lo == 0.0 && mean > 0.0 => LawParameter::Limit(above(mean)),
+        let (of, value) = match () {
+            () if lo == -hi => (LawNumber::Friction, above(mean.abs())),
+            () if lo == 0.0 && mean > 0.0 => (LawNumber::Limit, above(mean)),
             () => return None,
         };
-        parameter.law().is_ok().then_some(parameter)
+        of.law(value).is_ok().then_some((of, value))
     }
 }
 
@@ -490,23 +494,27 @@ impl fmt::Display for Law {
     }
 }
 
-impl LawParameter {
-    /// Name in scenes and options, and the number.
-    pub fn named(self) -> (&'static str, f64) {
+impl LawNumber {
+    /// Name in options, scenes and files.
+    pub fn name(self) -> &'static str {
         match self {
-            Self::Friction(g) => ("friction", g),
-            Self::Limit(limit) => ("limit", limit),
+            Self::Free => "free",
+            Self::Fixed => "fixed",
+            Self::Friction => "friction",
+            Self::Limit => "limit",
         }
     }
 
-    /// Law with this parameter.
+    /// Law with this number.
     ///
     /// # Errors
-    /// [`LawError::Parameter`].
-    pub fn law(self) -> Result<Law, LawError> {
+    /// [`LawError::Parameter`] or [`LawError::Number`].
+    pub fn law(self, number: f64) -> Result<Law, LawError> {
         match self {
-            Self::Friction(g) => Law::friction(g),
-            Self::Limit(limit) => Law::limited(limit),
+            Self::Free => Law::free(number),
+            Self::Fixed => Law::fixed(number),
+            Self::Friction => Law::friction(number),
+            Self::Limit => Law::limited(number),
         }
     }
 }

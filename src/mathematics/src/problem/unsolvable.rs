@@ -1,6 +1,6 @@
 //! The condition (2) of the paper: whether a problem has a unique solution, asked of numbers in one place.
 
-use super::law::{Law, LawParameter, LawSum};
+use super::law::{Law, LawNumber, LawSum};
 use super::text::{Written, plain};
 use std::fmt;
 
@@ -14,8 +14,8 @@ pub struct Unsolvable {
     pub integral: f64,
     /// Lower and upper end of the integrals that can be balanced, neither of them reached; equal on a free boundary.
     pub balanced: [f64; 2],
-    /// Law of the same kind that balances it; none if none does.
-    pub enough: Option<LawParameter>,
+    /// Number with which a law of the same kind balances it; none if none does.
+    pub enough: Option<(LawNumber, f64)>,
     /// True if the boundary has parts that can be fixed.
     pub has_parts: bool,
 }
@@ -41,10 +41,8 @@ impl fmt::Display for Unsolvable {
             (true, false) => format!("one above {low}"),
         };
         let mut remedies = Vec::new();
-        remedies.extend(enough.map(|parameter| {
-            let (name, number) = parameter.named();
-            format!("raise {name} to {}", Written(number))
-        }));
+        let raised = |(of, to): (LawNumber, f64)| format!("raise {} to {}", of.name(), Written(to));
+        remedies.extend(enough.map(raised));
         remedies.push(if least.is_finite() { "change f" } else { "lower f somewhere" }.into());
         remedies.extend(has_parts.then(|| "fix a part of the boundary".into()));
         let last = remedies.pop().unwrap_or_default();
@@ -111,8 +109,8 @@ mod tests {
         assert!(message.ends_with("; raise friction to 0.31, or change f"), "{message}");
         for integral in [1.2f64, -1.2, 17.3, -4e-9, 1e30] {
             let narrow = check(Law::friction(integral.abs() / 5.0).unwrap(), integral);
-            let enough = narrow.unwrap_err().enough.unwrap();
-            assert_eq!(check(enough.law().unwrap(), integral), Ok(()));
+            let (of, enough) = narrow.unwrap_err().enough.unwrap();
+            assert_eq!(check(of.law(enough).unwrap(), integral), Ok(()));
         }
         let limited = Law::limited(0.1).unwrap();
         let message = check(limited, -1.0).unwrap_err().to_string();

@@ -1,6 +1,6 @@
 //! Fineness of the grids or meshes of a statement.
 
-use super::StatementError;
+use super::{Domain, StatementError};
 use crate::bounds::Accuracy;
 use crate::mesh::AnyMesh;
 use serde::{Deserialize, Serialize};
@@ -73,6 +73,15 @@ impl Fineness {
         }
     }
 
+    /// The fineness on meshes: nested grids of the square become the width of the finest.
+    #[must_use]
+    pub fn on_meshes(self) -> Self {
+        match self {
+            Self::Grids(cells) => cells.last().copied().map_or(Self::Usual, Self::Width),
+            other => other,
+        }
+    }
+
     /// Grids down to this finest one that begin with the coarsest of these grids, where halving leads there.
     pub fn with_finest(&self, finest: usize) -> Self {
         let coarsest = self.cells()[0];
@@ -80,14 +89,29 @@ impl Fineness {
         Self::Grids(halved(finest, if halves { coarsest } else { COARSEST_CELLS }))
     }
 
+    /// Cells along each side of the coarsest mesh of a domain that has a width; none of another.
+    pub(super) fn coarsest(&self, domain: &Domain) -> Result<Option<usize>, StatementError> {
+        Ok(match self {
+            Self::Within(_) if domain.is_square() => Some(COARSEST_CELLS),
+            _ if domain.is_square() => Some(self.cells()[0]),
+            Self::Width(cells) => Some(of_cube(*cells)?[0]),
+            _ => None,
+        })
+    }
+
     /// Number of refinements of the coarsest mesh; where an accuracy is asked for, the usual number on a curved domain,
-    /// whose coarsest polygon may have no solution, and else none.
-    pub(super) fn refinements(&self, mesh: &AnyMesh) -> Result<usize, StatementError> {
+    /// whose coarsest polygon may have no solution, and else none. The meshes of the square are as fine as its grids.
+    pub(super) fn refinements(
+        &self,
+        domain: &Domain,
+        mesh: &AnyMesh,
+    ) -> Result<usize, StatementError> {
         let fits = |times: &usize| mesh.nodes_after(*times) <= USUAL_NODES;
         Ok(match self {
             Self::Refined(times) => usize::from(*times),
-            Self::Width(cells) => of_cube(*cells)?[1],
             Self::Within(_) if !mesh.is_curved() => 0,
+            _ if domain.is_square() => self.cells().len() - 1,
+            Self::Width(cells) => of_cube(*cells)?[1],
             Self::Usual | Self::Grids(_) | Self::Within(_) => {
                 (1..=MOST_TIMES).take_while(fits).count()
             }

@@ -1,20 +1,22 @@
-//! Statements: a domain with f, a law, the conditions on the parts of the boundary, how fine, and a solver with its
-//! settings.
+//! Statements: a domain with f, the laws on the parts of its boundary, how fine, and a solver with its settings.
 //!
 //! Central is [`Statement`], plain data: a scene is a statement with a title and outputs, the options of `solve` are
 //! one, and so are the parameters of a task. [`Statement::problem`] makes the problem of it, [`Statement::solve`] the
 //! answer, and [`Statement::judged`] the warnings and the failure of that.
 
+mod boundary;
 mod domain;
 mod fineness;
 mod judged;
 mod warning;
 
+pub use boundary::Boundary;
 pub use domain::Domain;
 pub use fineness::Fineness;
 pub use judged::Judged;
 pub use warning::{Failure, Warning};
 
+use domain::as_in_mesh;
 use fineness::{FIRST_CELLS, USUAL_NODES};
 
 use crate::bounds::Accuracy;
@@ -25,7 +27,7 @@ use crate::levels::{Problem, ProblemError, Step, Watch};
 use crate::mesh::AnyMesh;
 use crate::multigrid::Goal;
 use crate::problem::error::SourceError;
-use crate::problem::law::{Law, LawError, LawParameter};
+use crate::problem::law::{Law, LawError};
 use crate::problem::source::Source;
 use crate::saddle::Monitor;
 use crate::solvers::{
@@ -38,14 +40,14 @@ use serde::{Deserialize, Serialize};
 /// task.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Statement {
-    /// Domain, with the laws of the parts of its boundary that are named.
+    /// Domain.
     pub domain: Domain,
+    /// Laws on the parts of its boundary.
+    #[serde(default, skip_serializing_if = "Boundary::is_empty")]
+    pub boundary: Boundary,
     /// f as text; on the square as [`Source`] writes it.
     pub f: String,
-    /// Law on parts of the boundary that are named nowhere else; none for the paper's.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub law: Option<LawParameter>,
-    /// Quadrature of the load vector on the square; none on meshes, which have one alone.
+    /// Quadrature of the load vector on grids of the square; none on meshes, which have one alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub load: Option<LoadRule>,
     /// Grids or meshes.
@@ -110,7 +112,7 @@ impl Statement {
             load: domain.is_square().then_some(Self::LOAD),
             domain,
             f: f.into(),
-            law: None,
+            boundary: Boundary::default(),
             fineness: Fineness::Usual,
             solver: Self::SOLVER,
             saddle: None,
@@ -122,19 +124,20 @@ impl Statement {
     /// Law on parts of the boundary that are named nowhere else.
     ///
     /// # Errors
-    /// [`LawError`] if its parameter makes none.
+    /// [`LawError`] if its number makes none.
     pub fn law(&self) -> Result<Law, LawError> {
-        self.law.map_or(Ok(Law::SIGNORINI), LawParameter::law)
+        self.boundary.law("")
     }
 
-    /// True if the law is the paper's wherever the boundary is in contact.
-    pub fn is_signorini(&self) -> bool {
-        self.law.is_none() && self.domain.laws.is_empty()
+    /// True if the problem is solved on grids in place of meshes: on the square, under one law whose value is 0.
+    pub fn has_grids(&self) -> bool {
+        let is_one = self.boundary.names().next().is_none();
+        self.domain.is_square() && is_one && self.law().is_ok_and(|law| law.at() == 0.0)
     }
 
-    /// f on the square; none on meshes, and if the text is no f.
+    /// f on grids of the square; none on meshes, and if the text is no f.
     pub fn source(&self) -> Option<Source> {
-        self.domain.is_square().then(|| self.f.parse().ok()).flatten()
+        self.has_grids().then(|| self.f.parse().ok()).flatten()
     }
 
     /// Accuracy that is asked for; none where the fineness is stated otherwise.
@@ -155,24 +158,26 @@ impl Statement {
     }
 
     /// Coarsest mesh with its conditions and curves, from the contents of the Gmsh file unless the domain is built in;
-    /// none on the square.
+    /// none where there are grids.
     ///
     /// # Errors
     /// [`StatementError::Field`].
     pub fn mesh(&self, file: Option<&[u8]>) -> Result<Option<AnyMesh>, StatementError> {
-        if self.domain.is_square() {
-            let Some((part, parameter)) = self.domain.laws.first_key_value() else {
-                return Ok(None);
-            };
-            let reason =
-                "the square has one law and no parts; give the law alone, or another domain";
-            return Err(StatementError::field(parameter.named().0, part, reason));
+        if self.has_grids() {
+            return Ok(None);
         }
-        let cells = match self.fineness {
-            Fineness::Width(cells) => Some(fineness::of_cube(cells)?[0]),
-            _ => None,
-        };
-        Ok(Some(self.domain.mesh(file, cells)?.with_law(self.law()?)))
+        let mut mesh = self.domain.mesh(file, self.fineness.coarsest(&self.domain)?)?;
+        for part in self.boundary.names() {
+            let set = mesh.set_law(&as_in_mesh(&mesh, part), self.boundary.law(part)?);
+            set.map_err(|e| self.in_law(part, e))?;
+        }
+        Ok(Some(mesh.with_law(self.law()?)))
+    }
+
+    /// Error in what is said of the law on a part.
+    fn in_law(&self, part: &str, reason: impl ToString) -> StatementError {
+        let field = self.boundary.first(part).map_or("law", |(of, _)| of.name());
+        StatementError::field(field, part, reason)
     }
 
     /// Number of refinements of the coarsest mesh; where an accuracy is asked for, those on which is seen whether there
@@ -181,7 +186,7 @@ impl Statement {
     /// # Errors
     /// [`StatementError::Field`] if the cube has no cells of this width.
     pub fn refinements(&self, mesh: &AnyMesh) -> Result<usize, StatementError> {
-        self.fineness.refinements(mesh)
+        self.fineness.refinements(&self.domain, mesh)
     }
 
     /// Problem on the square or on a mesh that [`Statement::mesh`] has made; where an accuracy is asked for, on the
@@ -290,8 +295,7 @@ impl Statement {
     /// The statement of a saddle-point method on the square with the usual settings; none of another. Statements for
     /// which it is the same can be solved side by side.
     pub fn without_settings(&self) -> Option<Self> {
-        let SaddleSettings { prolongation, .. } =
-            self.saddle.filter(|_| self.domain.is_square())?;
+        let SaddleSettings { prolongation, .. } = self.saddle.filter(|_| self.has_grids())?;
         let saddle = Some(SaddleSettings { prolongation, ..SaddleSettings::default() });
         Some(Self { solver: Solver::ArrowHurwicz, saddle, tolerance: None, ..self.clone() })
     }

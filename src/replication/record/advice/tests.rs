@@ -3,9 +3,9 @@
 use super::*;
 use signorini_mathematics::bounds::{Accuracy, NoBound};
 use signorini_mathematics::discrete::end::{Stop, Violation};
-use signorini_mathematics::problem::law::LawParameter;
+use signorini_mathematics::problem::law::LawNumber;
 use signorini_mathematics::solvers::SaddleSettings;
-use signorini_mathematics::statement::Domain;
+use signorini_mathematics::statement::{Boundary, Domain};
 
 /// Warnings, one of each kind.
 fn warnings() -> Vec<Warning> {
@@ -70,7 +70,7 @@ fn statements() -> [(Statement, Solver); 3] {
         ..square.clone()
     };
     let disc = Statement {
-        law: Some(LawParameter::Friction(0.3)),
+        boundary: Boundary::under(LawNumber::Friction, 0.3),
         ..Statement::usual(Domain::named("disc"), "else=-1")
     };
     [(papers, Solver::ArrowHurwicz), (square, Solver::Multigrid), (disc, Solver::ActiveSet)]

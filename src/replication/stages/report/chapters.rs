@@ -238,7 +238,7 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
     let more = json!({
         "text": std::str::from_utf8(text)?,
         "command": picture_command(scene),
-        "is_papers_law": scene.statement.is_signorini(),
+        "is_papers_law": scene.statement.boundary.is_signorini(),
         // Share of the boundary under the law on which v is held at zero, of a scene with a map.
         "held": held.transpose()?,
         "f": facts.f,
