@@ -2,10 +2,10 @@
 //! [`triangulation`], on the square in [`crate::square::bounds`].
 //!
 //! # The identity
-//! Let the [law](crate::problem::law) keep dv/dn in `[lo, hi]`, and let j(v) be the largest of `-l v` over the l of
-//! this interval. Let K be the functions of H^1 where j(v) is finite on the boundary, J(v) = 1/2 |grad v|^2 - (f, v) +
-//! the integral of j(v) over the boundary, and sigma a *flux*: `-div sigma = f` inside, `sigma.n` in `[lo, hi]` on the
-//! boundary. For w in K integration by parts gives
+//! On the square, let the [law](crate::problem::law) keep dv/dn in `[lo, hi]`, and let j(v) be the
+//! largest of `-l v` over the l of this interval. Let K be the functions of H^1 where j(v) is finite on the boundary,
+//! J(v) = 1/2 |grad v|^2 - (f, v) + the integral of j(v) over the boundary, and sigma a *flux*: `-div sigma = f`
+//! inside, `sigma.n` in `[lo, hi]` on the boundary. For w in K integration by parts gives
 //!
 //! ```text
 //! J(w) + 1/2 |sigma|^2 = 1/2 |grad w - sigma|^2 + <j(w) + sigma.n w> =: G(w, sigma),
@@ -38,6 +38,9 @@ pub struct Bounds {
     /// Ends of an interval that contains the L2 norm of `grad (u - v)`, v piecewise linear: on the square on triangles
     /// cut by rising diagonals.
     pub error: [f64; 2],
+    /// Lower bound of the L2 norm of `grad u`; none where it follows from the energy, since all values of laws are 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gradient: Option<f64>,
     /// Upper bound of the L2 norm of `grad (u - w)`, w the recovery of v, which is piecewise quadratic; none on meshes,
     /// which have no recovery.
     pub recovered: Option<f64>,
@@ -51,8 +54,13 @@ impl Bounds {
     /// Upper bound of the error relative to `|grad u|`; infinite if the bounds do not exclude `|grad u| = 0`, but zero
     /// if there is no error.
     pub fn relative(&self) -> f64 {
-        // |grad u|^2 = -2 J(u) under every law, since j(u) = -(du/dn) u on the boundary.
-        ratio(self.error[1], (-2.0 * self.energy[1]).max(0.0).sqrt())
+        ratio(self.error[1], self.size())
+    }
+
+    /// Lower bound of the L2 norm of `grad u`.
+    fn size(&self) -> f64 {
+        // |grad u|^2 = -2 J(u) under every law whose value is 0, since j(u) = -(du/dn) u on the boundary.
+        self.gradient.unwrap_or_else(|| (-2.0 * self.energy[1]).max(0.0).sqrt())
     }
 
     /// Bounds that follow from an interval that contains the energy of the true solution u and that of v, where half
@@ -64,8 +72,9 @@ impl Bounds {
 
     /// Bounds that say nothing.
     pub const NONE: Self = Self {
-        energy: [f64::NEG_INFINITY, 0.0],
+        energy: [f64::NEG_INFINITY, f64::INFINITY],
         error: [0.0, f64::INFINITY],
+        gradient: None,
         recovered: None,
         curve: None,
     };
@@ -76,6 +85,10 @@ impl Bounds {
         Self {
             energy: common(self.energy, other.energy),
             error: common(self.error, other.error),
+            gradient: match (self.gradient, other.gradient) {
+                (Some(a), Some(b)) => Some(a.max(b)),
+                (a, b) => a.or(b),
+            },
             recovered: match (self.recovered, other.recovered) {
                 (Some(a), Some(b)) => Some(a.min(b)),
                 (a, b) => a.or(b),
@@ -88,15 +101,16 @@ impl Bounds {
     fn with_curve(&self, energy: f64) -> Self {
         let ([low, high], [least, most]) = (self.energy, self.error);
         let error = [least, (most * most + 2.0 * energy).sqrt()];
-        Self { energy: [low - energy, high], error, recovered: None, curve: None }
+        let gradient = self.gradient.map(|size| (size - (2.0 * energy).sqrt()).max(0.0));
+        Self { energy: [low - energy, high], error, gradient, recovered: None, curve: None }
     }
 
-    /// Width of the bracket of the energy over |J(u)|; infinite if the bracket contains zero and other numbers, zero if
-    /// it is zero alone.
+    /// Width of the bracket of the energy over half the square of `|grad u|`, which is |J(u)| where all values of laws
+    /// are 0; infinite if the bounds do not exclude `|grad u| = 0`, but zero if there is no width.
     pub fn relative_energy(&self) -> f64 {
         let [low, high] = self.energy;
-        // J(u) is at most zero.
-        ratio(high - low, -high)
+        // J(u) is at most zero without values.
+        ratio(high - low, self.gradient.map_or(-high, |size| 0.5 * size * size))
     }
 
     /// The number of the bracket of the energy that is nearest to the energy of v; on the square mostly the upper end,
@@ -147,7 +161,7 @@ pub enum NoBound {
 /// rounding.
 pub(crate) const LEAST_MASS: f64 = 1e-146;
 
-/// An interval that contains J(u), without the numbers above J(0) = 0.
+/// An interval that contains J(u), without the numbers above J(0) = 0, where all values of laws are 0.
 pub(crate) fn below_zero([low, high]: [f64; 2]) -> [f64; 2] {
     [low, high.min(0.0)]
 }
@@ -162,7 +176,7 @@ mod tests {
     use super::*;
 
     fn bounds(energy: [f64; 2], most: f64) -> Bounds {
-        Bounds { energy, error: [0.0, most], recovered: None, curve: None }
+        Bounds { energy, error: [0.0, most], ..Bounds::NONE }
     }
 
     #[test]

@@ -78,6 +78,10 @@ pub struct Outcome {
     pub gradient_abs: Option<f64>,
     /// `1/2 <A y, y> - <F, y>`, with the law's term.
     pub energy: f64,
+    /// Sum over the boundary nodes of the flux times the values of the laws: the energy of a solution less this is
+    /// minus half of `<A y, y>`. None where all of these values are zero.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub of_values: Option<f64>,
     /// Least and greatest nodal value.
     pub range: [f64; 2],
     /// Sum of the load vector.
@@ -101,7 +105,7 @@ impl Outcome {
         load: &[f64],
         has_solution: bool,
     ) -> Self {
-        let &Judgement { kkt, energy, work, range, .. } = judgement;
+        let &Judgement { kkt, energy, of_values, work, range, .. } = judgement;
         Self {
             cells,
             nodes: load.len(),
@@ -109,6 +113,7 @@ impl Outcome {
             gradient_signed: None,
             gradient_abs: None,
             energy,
+            of_values,
             range,
             sum_load: sum(load),
             kkt,
@@ -119,7 +124,7 @@ impl Outcome {
 
     /// Verdict on the vector where the iteration ended.
     pub fn verdict(&self) -> Verdict {
-        Verdict::new(self.has_solution, &self.kkt, self.energy, self.work)
+        Verdict::new(self.has_solution, &self.kkt, (self.energy, self.of_values), self.work)
     }
 
     /// Verdict on whether this is what was asked for: the one judge of all solvers and commands. Where a bound is asked
@@ -223,16 +228,22 @@ pub enum Violation {
 }
 
 impl Verdict {
-    /// Judges a nodal vector of a problem that has a solution or none by its `kkt`, its `energy`, and its `work`, which
-    /// is the sum of v r over the boundary, r the gradient of the energy, with the law's term.
-    pub fn new(has_solution: bool, kkt: &Kkt, energy: f64, work: f64) -> Self {
+    /// Judges a nodal vector of a problem that has a solution or none by its `kkt`, its energy, with the part of it
+    /// that the values of the laws make, and its `work`, which is the sum of v r over the boundary, r the gradient of
+    /// the energy, with the law's term.
+    pub fn new(
+        has_solution: bool,
+        kkt: &Kkt,
+        (energy, of_values): (f64, Option<f64>),
+        work: f64,
+    ) -> Self {
         if !has_solution {
             Self::NoSolution
         } else if kkt.relative.is_nan() || kkt.relative > SOLVED {
             Self::NotSolved(Violation::Residual(kkt.relative))
-        } else if energy > 0.0 {
+        } else if energy > 0.0 && of_values.is_none() {
             Self::NotSolved(Violation::Energy(energy))
-        } else if work.abs() > SOLVED * energy.abs() {
+        } else if work.abs() > SOLVED * (energy - of_values.unwrap_or(0.0)).abs() {
             Self::NotSolved(Violation::Work { work, energy })
         } else if kkt.relative > ROUGH {
             Self::Rough
@@ -293,7 +304,7 @@ mod tests {
     #[test]
     fn each_condition_has_its_verdict() {
         let verdict = |sum: f64, relative, energy, work| {
-            Verdict::new(sum < 0.0, &kkt(relative), energy, work)
+            Verdict::new(sum < 0.0, &kkt(relative), (energy, None), work)
         };
         assert_eq!(verdict(-1.0, 1e-12, -1.0, 0.0), Verdict::Solved);
         assert_eq!(verdict(-1.0, 0.2, -1.0, 0.0), Verdict::Rough);

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 pub struct Kkt {
     /// Largest `|A y - F|` over interior nodes, in units of F.
     pub stationarity: f64,
-    /// Least y on the boundary where the law holds; none where it holds at no node.
+    /// Least y, less the value `at` of the law, on the boundary where the law holds; none where it holds at no node.
     pub min_y: Option<f64>,
     /// Least multiplier there.
     pub min_lambda: Option<f64>,
@@ -26,18 +26,19 @@ pub struct Kkt {
     pub complementarity: f64,
     /// `max(stationarity, complementarity)`, the natural residual: zero at the solution only.
     pub natural: f64,
-    /// `natural` over `|F|_inf`; invariant under scaling of f.
+    /// `natural` over `|F|_inf`, without a load over the largest product of y with the diagonal of A; invariant under
+    /// scaling of all data.
     pub relative: f64,
 }
 
 /// Numbers of boundary nodes by their states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct StateCounts {
-    /// Nodes at zero; under the paper's law, in contact.
+    /// Nodes at the value of the law; under the paper's law, in contact.
     pub sticks: usize,
-    /// Nodes where v > 0.
+    /// Nodes where v is above it.
     pub slips_up: usize,
-    /// Nodes where v < 0.
+    /// Nodes where v is below it.
     pub slips_down: usize,
 }
 
@@ -55,12 +56,14 @@ pub struct Judgement {
     pub kkt: Kkt,
     /// `1/2 <A y, y> - <F, y>` and the law's term.
     pub energy: f64,
+    /// Sum over the boundary nodes of the flux times the values of the laws; none where all of these are zero.
+    pub of_values: Option<f64>,
     /// Boundary nodes where the law holds, in the order of a boundary vector.
     pub contact: Vec<ContactNode>,
     /// `A y - F` at these nodes.
     pub flux: Vec<f64>,
-    /// Sum over the boundary nodes of y times the flux, and of the law's term of the energy: zero at the solution, and
-    /// elsewhere, if all other conditions hold, a bound of the energy's error.
+    /// Sum over the boundary nodes of y - `at` times the flux, and of the law's term of the energy: zero at the
+    /// solution, and elsewhere, if all other conditions hold, a bound of the energy's error.
     pub work: f64,
     /// State of each boundary node, in the order of the flux; rounding errors do not count.
     pub states: Vec<BoundaryState>,
@@ -118,9 +121,10 @@ impl Judgement {
     pub fn multiplier(&self, y: &[f64]) -> Vec<f64> {
         let of_node = |(&ContactNode { node, measure, law }, flux): (&ContactNode, &f64)| {
             let [above_lo, above_hi] = law.above_ends(*flux, measure);
-            if above_lo - y[node] <= self.rounding {
+            let from = y[node] - law.at();
+            if above_lo - from <= self.rounding {
                 law.lo()
-            } else if above_hi - y[node] >= -self.rounding {
+            } else if above_hi - from >= -self.rounding {
                 law.hi()
             } else {
                 law.project(flux / measure)
@@ -147,7 +151,7 @@ pub fn rounding(cells: usize, largest: f64) -> f64 {
 pub fn judge<'a>(domain: impl Into<DiscreteDomain<'a>>, y: &[f64], load: &[f64]) -> Judgement {
     let domain = domain.into();
     assert!(y.len() == domain.nodes() && load.len() == y.len());
-    let Seen { mut energy, stationarity, flux } = match domain {
+    let Seen { mut energy, mut of_values, stationarity, flux } = match domain {
         DiscreteDomain::Grid(grid, _) => Seen::on_grid(grid, y, load),
         DiscreteDomain::Network(network) => Seen::on_network(network, y, load),
     };
@@ -158,11 +162,15 @@ pub fn judge<'a>(domain: impl Into<DiscreteDomain<'a>>, y: &[f64], load: &[f64])
     let mut complementarity = Largest::default();
     for (flux, &ContactNode { node, measure, law }) in flux.iter().zip(&contact) {
         let potential = measure * law.potential(y[node]);
-        min_y = least(min_y, y[node]);
+        let from = y[node] - law.at();
+        if law.at() != 0.0 {
+            *of_values.get_or_insert(0.0) += flux * law.at();
+        }
+        min_y = least(min_y, from);
         min_lambda = least(min_lambda, flux / measure);
         complementarity.put(law.residual(y[node], *flux, measure));
         energy += potential;
-        work += y[node] * flux + potential;
+        work += from * flux + potential;
     }
     let mut largest = Largest::default();
     largest.see(1.0, y);
@@ -176,12 +184,16 @@ pub fn judge<'a>(domain: impl Into<DiscreteDomain<'a>>, y: &[f64], load: &[f64])
     scale.see(1.0, load);
     let [stationarity, complementarity] = [stationarity, complementarity].map(Largest::value);
     let natural = max_or_nan(stationarity, complementarity);
-    let relative = if natural == 0.0 { 0.0 } else { natural / scale.value() };
+    let unit = match (scale.value(), domain) {
+        (0.0, DiscreteDomain::Network(network)) => network.largest_product(y),
+        (load, _) => load,
+    };
+    let relative = if natural == 0.0 { 0.0 } else { natural / unit };
     let kkt = Kkt { stationarity, min_y, min_lambda, complementarity, natural, relative };
-    Judgement { kkt, energy, contact, flux, work, states, rounding, range: range(y) }
+    Judgement { kkt, energy, of_values, contact, flux, work, states, rounding, range: range(y) }
 }
 
-/// True if the discrete problem with this load vector has a solution: over each connected component, y = 0 at some
+/// True if the discrete problem with this load vector has a solution: over each connected component, y is given at some
 /// nodes, or the flux through the boundary can balance the load.
 ///
 /// # Panics
@@ -194,6 +206,8 @@ pub fn has_solution<'a>(domain: impl Into<DiscreteDomain<'a>>, load: &[f64]) -> 
 struct Seen {
     /// Energy without the law's term.
     energy: f64,
+    /// Sum of `A y - F` times the values of the laws where y is given; none where all of these are zero.
+    of_values: Option<f64>,
     /// Residuals at the nodes where the law does not hold.
     stationarity: Largest,
     /// `A y - F` at the boundary nodes where it holds.
@@ -218,10 +232,10 @@ impl Seen {
                 flux[grid.boundary_index(i, j)] = gradient[i];
             }
         }
-        Self { energy, stationarity, flux }
+        Self { energy, of_values: None, stationarity, flux }
     }
 
-    /// A value at a fixed node counts as a residual.
+    /// The difference from the value of a fixed node counts as a residual.
     fn on_network(network: &Network, y: &[f64], load: &[f64]) -> Self {
         let (mut gradient, mut stationarity) = (vec![0.0; y.len()], Largest::default());
         network.gradient(y, load, &mut gradient);
@@ -229,11 +243,15 @@ impl Seen {
         for contact in network.contact() {
             flux.push(std::mem::take(&mut gradient[contact.node]));
         }
-        for &ContactNode { node, .. } in network.held() {
-            gradient[node] = y[node];
+        let mut of_values = None;
+        for &ContactNode { node, law, .. } in network.held() {
+            if law.at() != 0.0 {
+                *of_values.get_or_insert(0.0) += gradient[node] * law.at();
+            }
+            gradient[node] = y[node] - law.at();
         }
         stationarity.see(1.0, &gradient);
-        Self { energy: network.energy(y, load), stationarity, flux }
+        Self { energy: network.energy(y, load), of_values, stationarity, flux }
     }
 }
 

@@ -30,7 +30,7 @@ pub struct Network {
     weights: Vec<f64>,
     /// Diagonal of the stiffness matrix.
     diagonal: Vec<f64>,
-    /// Nodes with a law: first those in the order of a boundary vector, then those where y = 0.
+    /// Nodes with a law: first those in the order of a boundary vector, then those where y is given.
     boundary: Vec<ContactNode>,
     /// Number of the first ones.
     moving: usize,
@@ -79,7 +79,7 @@ pub(crate) struct Row<'a> {
     pub weights: &'a [f64],
 }
 
-/// Row of a contact node during a sweep.
+/// Row of a node with a law during a sweep.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ContactRow {
     /// Load plus the sum of weight times y over the coupled nodes.
@@ -202,7 +202,7 @@ impl Network {
         Self::of_rows(rows, boundary, masses).with_additions(&additions)
     }
 
-    /// Network with other laws of the contact nodes, in their order.
+    /// Network with other laws of the nodes with a law, in their order.
     pub fn with_laws(&self, laws: &[Law]) -> Self {
         let mut network = self.clone();
         network.boundary.iter_mut().zip(laws).for_each(|(contact, law)| contact.law = *law);
@@ -268,7 +268,7 @@ impl Network {
         &self.boundary[..self.moving]
     }
 
-    /// Nodes at which y = 0.
+    /// Nodes at which y is given.
     pub fn held(&self) -> &[ContactNode] {
         &self.boundary[self.moving..]
     }
@@ -343,25 +343,24 @@ impl Network {
         Row { others: &self.others[range.clone()], weights: &self.weights[range] }
     }
 
-    /// One Gauss-Seidel sweep in the order of the nodes. Values at inner nodes solve their equation, those at held
-    /// nodes become zero; `at_contact` gives the value of the contact node in this position from its row.
+    /// One Gauss-Seidel sweep in the order of the nodes. Values at inner nodes solve their equation; `at_boundary`
+    /// gives the value of the node with a law in this position from its row.
     #[inline(always)]
     pub(crate) fn sweep(
         &self,
         load: &[f64],
         y: &mut [f64],
-        mut at_contact: impl FnMut(usize, ContactRow) -> f64,
+        mut at_boundary: impl FnMut(usize, ContactRow) -> f64,
     ) {
         for node in 0..self.nodes() {
             let sum = self.row(node).add_to(load[node], y);
             let diagonal = self.diagonal[node];
             y[node] = match self.place(node) {
                 None => sum / diagonal,
-                Some(place) if place < self.moving => {
+                Some(place) => {
                     let ContactNode { measure, law, .. } = self.boundary[place];
-                    at_contact(place, ContactRow { sum, diagonal, measure, law })
+                    at_boundary(place, ContactRow { sum, diagonal, measure, law })
                 }
-                Some(_) => 0.0,
             };
         }
     }
@@ -380,7 +379,7 @@ impl Network {
     }
 
     /// Natural residual of a vector whose gradient of the energy is known: the largest of `|A y - F|`, that of these
-    /// laws of the contact nodes, and of values at held nodes.
+    /// laws of the nodes with a law.
     pub(crate) fn natural_residual(
         &self,
         laws: &[Law],
@@ -392,6 +391,11 @@ impl Network {
             let law = self.place(node).and_then(|place| laws.get(place)).unwrap_or(&law);
             max_or_nan(largest, law.residual(*value, gradient(node), measure))
         })
+    }
+
+    /// Largest product of a value and its diagonal entry.
+    pub(crate) fn largest_product(&self, y: &[f64]) -> f64 {
+        y.iter().zip(&self.diagonal).fold(0.0, |most, (y, d)| most.max((y * d).abs()))
     }
 
     /// Energy `1/2 <A y, y> - <F, y>`, without the law's term.

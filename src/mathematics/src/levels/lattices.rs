@@ -58,6 +58,7 @@ impl Lattices {
             f: f.to_string(),
             integral,
             size,
+            given: 0.0,
             by_quadrature: f.is_smooth(),
             known: f.exact().map(Known::Square),
             notes: f.outside(),

@@ -105,6 +105,8 @@ pub struct Facts {
     pub integral: f64,
     /// Integral of |f|.
     pub size: f64,
+    /// Integral of the absolute value of the flux over the free parts of the boundary.
+    pub given: f64,
     /// True if f is not constant on pieces, at least somewhere, so that the integrals are by quadrature.
     pub by_quadrature: bool,
     /// Known solution whose f this is.
@@ -154,6 +156,11 @@ pub enum ProblemError {
     /// No flux can balance f.
     #[error(transparent)]
     Unsolvable(#[from] Unsolvable),
+    /// A law that the grids of the square do not take.
+    #[error(
+        "grids of the square take laws under which v sticks at 0, not {0}; take the mesh of the square"
+    )]
+    OnGrids(Law),
 }
 
 /// Mesh of a picture, which may be coarser than the finest one.
@@ -175,7 +182,7 @@ impl Facts {
 
     /// Bound of the rounding error of the integral of f, and of each sum that balances it.
     pub fn rounding(&self) -> f64 {
-        ROUNDING * self.size.abs()
+        ROUNDING * (self.size.abs() + self.given)
     }
 }
 

@@ -63,6 +63,9 @@ impl Problem {
         rule: LoadRule,
         law: Law,
     ) -> Result<Self, ProblemError> {
+        if law.at() != 0.0 || law.is_fixed() {
+            return Err(ProblemError::OnGrids(law));
+        }
         let lattices = Lattices::new(grids, f, rule, law);
         let (integral, size) = (lattices.facts().integral, lattices.facts().size);
         lattices.source().check_scale(size)?;

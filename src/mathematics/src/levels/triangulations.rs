@@ -85,6 +85,7 @@ where
             f: text.split_whitespace().collect::<Vec<_>>().join(" "),
             integral: load.integral,
             size: load.size,
+            given: load.given,
             by_quadrature: load.unsettled.is_some(),
             known,
             notes: finest.notes().into_iter().chain(outside.into_iter().flatten()).collect(),
@@ -204,8 +205,9 @@ where
         for CurveGain { facet, measure, integral } in gains {
             let facet = &self.finest().facets()[facet];
             let component = &mut components[of_nodes[facet.nodes[0] as usize] as usize];
-            component.integral += integral;
-            component.laws.add(self.finest().law(facet), measure);
+            let law = self.finest().law(facet);
+            component.integral += integral + if law.is_free() { law.lo() * measure } else { 0.0 };
+            component.laws.add(law, measure);
         }
         components
     }

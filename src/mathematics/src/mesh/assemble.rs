@@ -1,16 +1,18 @@
 //! The discrete problem of a triangulation: stiffness matrix (5) as couplings, load vector (6), parts of the boundary.
 
 use super::geometry::measure;
-use super::{Edges, Element, Mesh, Sides};
+use super::{Edges, Element, Mesh, MeshError, Sides};
 use crate::discrete::network::{Coupling, Network};
-use crate::problem::law::{ContactNode, Law, LawSum};
-use std::collections::BTreeMap;
+use crate::problem::law::{Conditions, ContactNode, LawSum};
+use crate::problem::text::Written;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Coupling over the least diagonal of its nodes below which it is the rounding error of a right angle.
 const RIGHT_ANGLE: f64 = 1e-14;
 
 /// Returns the discrete problem for linear elements. Contact nodes are in the order of their numbers; a node where
-/// parts meet has the sum of their laws: it is fixed if one of them is, else in contact if one of them is.
+/// parts meet has the sum of their laws: it is fixed if one of them is, else in contact if one of them is. The flux of
+/// free parts is part of the load.
 ///
 /// # Panics
 /// If there are more couplings than 32 bits number.
@@ -82,10 +84,37 @@ fn network_of<const D: usize, const V: usize>(
     Network::new(&couplings, boundary_nodes(mesh), masses)
 }
 
+/// Checks that parts of the boundary which meet have laws that one function can have; see [`Law::meet`].
+///
+/// # Errors
+/// [`MeshError::Meeting`].
+pub(crate) fn check_meetings<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+) -> Result<(), MeshError> {
+    let mut parts: BTreeMap<u32, BTreeSet<u16>> = BTreeMap::new();
+    for facet in mesh.facets.iter().filter(|facet| !mesh.law(facet).is_free()) {
+        for node in facet.nodes {
+            let others = parts.entry(node).or_default();
+            for &other in &*others {
+                let pair = [other.min(facet.part), other.max(facet.part)]
+                    .map(|part| &mesh.parts[usize::from(part)]);
+                if pair[0].law.meet(pair[1].law).is_none() {
+                    let point = mesh.points[node as usize].map(|x| Written(x).to_string());
+                    let [one, two] =
+                        pair.map(|part| format!("{}, where {},", part.names, Conditions(part.law)));
+                    return Err(MeshError::Meeting { one, two, at: point.join(", ") });
+                }
+            }
+            others.insert(facet.part);
+        }
+    }
+    Ok(())
+}
+
 /// Returns the nodes with a law, in the order of their numbers: each has the sum of the laws of its facets.
 fn boundary_nodes<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Vec<ContactNode> {
     let mut sums: BTreeMap<u32, LawSum> = BTreeMap::new();
-    for facet in mesh.facets.iter().filter(|facet| mesh.law(facet) != Law::FREE) {
+    for facet in mesh.facets.iter().filter(|facet| !mesh.law(facet).is_free()) {
         let share = measure(mesh.corners(facet)) / D as f64;
         for node in facet.nodes {
             sums.entry(node).or_default().add(mesh.law(facet), share);

@@ -137,6 +137,20 @@ pub enum MeshError {
     /// A part or region that names nothing.
     #[error("`{0}` names no facet and no element; remove the name, or mesh what it names")]
     EmptyName(String),
+    /// Parts of the boundary that meet with laws that no function of finite energy has, or with two values at which v
+    /// may stick.
+    #[error(
+        "{one} meets {two} at ({at}): v cannot stick at both values there; make them equal, or leave a \
+         free part between the two"
+    )]
+    Meeting {
+        /// One part, with its law.
+        one: String,
+        /// The other part, with its law.
+        two: String,
+        /// Coordinates of the point.
+        at: String,
+    },
     /// Nodes that 32 bits do not number.
     #[error("{cells} elements are more than 32 bits number; refine less")]
     TooManyNodes {

@@ -5,12 +5,13 @@
 //! share, the nodes and the midpoints of edges, are taken once.
 
 use super::cut::{CellCutter, CellPart, ConstantPieces, CutShape};
-use super::{Edges, Mesh, volume};
+use super::{Edges, Facet, Mesh, measure, volume};
 use crate::discrete::adaptive::{
     COST, CellValues, LEAST_PARTS, SETTLED, SHARED_POINTS, SampledCell, Sampler, Settling,
 };
 use crate::machine::threads::{items_per_task, map, map_with_room};
 use crate::problem::error::SourceError;
+use crate::problem::law::Law;
 use crate::problem::shape::Shape;
 
 /// f on the cells of a mesh.
@@ -37,7 +38,7 @@ pub struct CellData {
 /// f on a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshLoad {
-    /// Load vector (6): integrals of f times the hat functions.
+    /// Load vector (6): integrals of f times the hat functions, and of the flux on free parts of the boundary.
     pub load: Vec<f64>,
     /// f on the cells.
     pub cells: CellData,
@@ -45,6 +46,8 @@ pub struct MeshLoad {
     pub integral: f64,
     /// Integral of |f|.
     pub size: f64,
+    /// Integral of the absolute value of the flux over the free parts of the boundary.
+    pub(crate) given: f64,
     /// Sum of the differences of the formulas by which f was sampled; none if all integrals are exact.
     pub unsettled: Option<f64>,
     /// Sum of the differences between the integrals over cells and the formula of degree 5 on each whole cell.
@@ -299,15 +302,29 @@ impl<'a, const D: usize, const V: usize> LoadSums<'a, D, V> {
     }
 
     fn finished(self) -> MeshLoad {
-        let Self { mesh, load, mean, deviation, shares, size, unsettled, moved } = self;
+        let Self { mesh, mut load, mean, deviation, shares, size, unsettled, moved } = self;
+        let mut given = 0.0;
+        for (facet, outflow) in given_fluxes(mesh) {
+            given += outflow.abs();
+            facet.nodes.iter().for_each(|&node| load[node as usize] += outflow / D as f64);
+        }
         let masses = mesh.cells().iter().zip(&mean);
         let integral = masses.map(|(cell, mean)| volume(mesh.vertices(cell)) * mean).sum();
         let is_constant = deviation.iter().all(|deviation| *deviation == 0.0);
         let deviation = (!is_constant).then_some(deviation);
         let shares = (!is_constant).then(|| shares.into_flattened());
         let cells = CellData { mean, deviation, shares };
-        MeshLoad { load, cells, integral, size, unsettled, moved }
+        MeshLoad { load, cells, integral, size, given, unsettled, moved }
     }
+}
+
+/// Facets of free parts with a flux, and the flux through each.
+fn given_fluxes<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+) -> impl Iterator<Item = (&Facet<D>, f64)> {
+    let laws = mesh.facets().iter().map(|facet| (facet, mesh.law(facet)));
+    let given = laws.filter(|(_, law)| law.is_free() && *law != Law::FREE);
+    given.map(|(facet, law)| (facet, law.lo() * measure(mesh.corners(facet))))
 }
 
 /// Values of f at the nodes of a mesh, and at the midpoints of its edges.

@@ -38,7 +38,7 @@ mod surface;
 
 pub use any::AnyMesh;
 pub use assemble::assemble;
-pub(crate) use assemble::assemble_sides;
+pub(crate) use assemble::{assemble_sides, check_meetings};
 pub use at::PointValue;
 pub(crate) use beyond::{CurveGain, curve_gains};
 pub(crate) use bisect::{Bisected, bisect, is_stretched, label_longest_edges, quarter};

@@ -1,6 +1,6 @@
 //! The nested discrete problems of a mesh and its refinements.
 
-use super::assemble::{assemble_edges, assemble_sides};
+use super::assemble::{assemble_edges, assemble_sides, check_meetings};
 use super::refine::refine_edges;
 use super::{Edges, Mesh, MeshError, Refined, Sides};
 use crate::discrete::nested::NestedNetwork;
@@ -18,11 +18,12 @@ pub(crate) struct NestedMeshes<const D: usize, const V: usize> {
 /// Returns a mesh and its refinements, `times` of them, with their discrete problems.
 ///
 /// # Errors
-/// As [`refine`](super::refine).
+/// As [`refine`](super::refine), and as [`check_meetings`].
 pub(crate) fn nested_meshes<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     times: usize,
 ) -> Result<NestedMeshes<D, V>, MeshError> {
+    check_meetings(mesh)?;
     let (mut networks, mut meshes, mut between) = (Vec::new(), vec![mesh.clone()], Vec::new());
     for _ in 0..times {
         let finest = &meshes[meshes.len() - 1];

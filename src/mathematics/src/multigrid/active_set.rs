@@ -8,11 +8,12 @@
 //! M-matrices: convergence is observed, not proved. Where it fails, steps that lower the energy take over, which end.
 //!
 //! # Algorithm
-//! 1. See the problem as one under laws `[0, limit]`, and take all boundary nodes to stick.
-//! 2. Solve the linear problem with `y = 0` at the nodes that stick, and the flux `limit` at those that slip down.
+//! 1. See the problem as one under laws `[0, limit]` and `(-inf, 0]`, and take all boundary nodes to stick.
+//! 2. Solve the linear problem with y as the laws say at the nodes that stick, and the largest flux at those that slip
+//!    down.
 //! 3. Let nodes that stick with a multiplier below zero slip up, those above the limit slip down, and nodes whose value
-//!    has the other sign stick. If the nodes could then not balance the load, shift the solution by the constant
-//!    of least energy: otherwise the next system is singular.
+//!    is on the other side of the law's stick. If the nodes could then not balance the load, shift the solution by the
+//!    constant of least energy: otherwise the next system is singular.
 //! 4. Stop if no state has changed. If all have returned to earlier ones, stop if the residual is one of
 //!    rounding errors. Otherwise, and after many steps, go on with steps that lower the energy (`falling`).
 //!
@@ -44,8 +45,8 @@ pub const MOST_NODES_IN_SPACE: usize = 25 * 25 * 25;
 /// Limit on the number of primal-dual steps. Usual are below 20; on strips each moves an end of contact by a node.
 const MAX_STEPS: usize = 30;
 
-/// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the contact nodes of any network, and `y = 0` at its
-/// fixed nodes: from the states of a vector near the solution, if there is one, else from all contact nodes at zero.
+/// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the contact nodes of any network, where y is given at
+/// its fixed nodes: from the states of a vector near the solution, if there is one, else from those where all stick.
 ///
 /// Ends `Converged` if a step left all states as they were, and at the `RoundingFloor` if a step led to earlier states
 /// with a vector that solves the problem but for rounding errors.
@@ -61,9 +62,10 @@ pub fn active_set(
     check_length(network.nodes(), load)?;
     let of_nodes = network.components();
     check_load(&components(network, &of_nodes, load))?;
-    let one_sided = OneSided::new(&network.laws(), load)?;
+    let one_sided = OneSided::new(&network.laws(), load);
     let load = one_sided.load(load, network.contact());
-    let laws: Vec<Law> = network.contact().iter().map(|contact| contact.law.one_sided()).collect();
+    let laws = network.boundary().iter().map(|contact| one_sided.law(contact.law));
+    let laws: Vec<Law> = laws.collect();
     let problem = StateProblem { network, components: &of_nodes, load: &load, laws: &laws };
     let direct = Direct::new(network, FactorOrder::MinimumDegree);
     let mut system = StateSystem { problem: &problem, direct, steps: 0 };
@@ -104,6 +106,7 @@ impl StateSystem<'_> {
         let mut seen = Vec::new();
         loop {
             y.fill(0.0);
+            self.problem.put_at_values(&states, y);
             self.solve(&states, y);
             if !y.iter().all(|value| value.is_finite()) {
                 return (Some(Stop::Diverged), states);
@@ -123,8 +126,8 @@ impl StateSystem<'_> {
         }
     }
 
-    /// Replaces `y`, which is zero at nodes that stick, by the solution with these states, with one step of iterative
-    /// refinement.
+    /// Replaces `y`, which has the values of the laws at nodes that stick, by the solution with these states, with one
+    /// step of iterative refinement.
     fn solve(&mut self, states: &[BoundaryState], y: &mut [f64]) {
         let network = self.problem.network;
         let diagonal = network.diagonal().iter().zip(states);

@@ -1,7 +1,6 @@
 //! Aggregates: sets of strongly coupled nodes, each of which becomes one node of a coarser level.
 
 use crate::discrete::network::Network;
-use crate::problem::law::Law;
 
 /// Aggregates of a network.
 pub(super) struct Aggregates {
@@ -59,8 +58,8 @@ struct Builder<'a> {
 /// another one, as in a layer of thin cells, makes its aggregate with inner nodes. Fixed nodes are in none.
 pub(super) fn aggregates(network: &Network, strength: &Strength<'_>) -> Aggregates {
     let kinds = (0..network.nodes()).map(|node| match network.at(node).law {
-        Law::FREE => Kind::Inner,
-        Law::FIXED => Kind::Fixed,
+        law if law.is_free() => Kind::Inner,
+        law if law.is_fixed() => Kind::Fixed,
         _ => Kind::Contact,
     });
     let mut builder = Builder {

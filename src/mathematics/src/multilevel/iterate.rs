@@ -6,10 +6,10 @@ use crate::problem::balance::{Balance, ContactValue, place_at_zero};
 use crate::problem::descent::{Bend, Slope};
 use crate::problem::law::{BoundaryState, Law};
 
-/// Problem under laws `[0, limit]`.
+/// Problem under laws `[0, limit]` and `(-inf, 0]`.
 pub(super) struct ContactProblem<'a> {
     pub(super) network: &'a Network,
-    /// Laws of the contact nodes, in the order of the network.
+    /// Laws of the nodes with a law, in the order of the network.
     pub(super) laws: Vec<Law>,
     /// Number of the connected component of each contact node, in the order of the network.
     pub(super) components: &'a [u32],
@@ -20,9 +20,15 @@ pub(super) struct ContactProblem<'a> {
 }
 
 impl ContactProblem<'_> {
-    /// True if values may have both signs.
+    /// True if values may be below those of the laws.
     fn has_limits(&self) -> bool {
-        self.laws.iter().any(|law| law.is_bounded())
+        self.laws.iter().any(|law| law.hi().is_finite())
+    }
+
+    /// Least and largest flux through the boundary at a contact node.
+    fn ends(&self, b: usize) -> [f64; 2] {
+        let measure = self.network.contact()[b].measure;
+        [measure * self.laws[b].lo(), self.most(b)]
     }
 
     /// Largest flux through the boundary at a contact node.
@@ -50,7 +56,7 @@ pub(super) struct Iterate<'a> {
     pub(super) y: Vec<f64>,
     /// `F - A y`, at all nodes; at nodes that slip down with their flux.
     residual: Vec<f64>,
-    /// Flag for each node, true if y = 0 is kept there.
+    /// Flag for each node, true if y stays as it is there: the value of the law.
     held: Vec<bool>,
     /// Flag for each contact node, true if it slips down.
     slips_down: Vec<bool>,
@@ -73,10 +79,14 @@ pub(super) struct Iterate<'a> {
 
 impl<'a> Iterate<'a> {
     /// Takes `y`, relaxes every node once, and holds the nodes in contact.
-    pub(super) fn new(problem: ContactProblem<'a>, load: &'a [f64], y: Vec<f64>) -> Self {
+    pub(super) fn new(problem: ContactProblem<'a>, load: &'a [f64], mut y: Vec<f64>) -> Self {
         let nodes = y.len();
+        let moving = problem.network.contact().len();
+        for (contact, law) in problem.network.held().iter().zip(&problem.laws[moving..]) {
+            y[contact.node] = law.at();
+        }
         let zeros = || vec![0.0; nodes];
-        let slips_down = vec![false; problem.network.contact().len()];
+        let slips_down = vec![false; moving];
         let is_guarded = problem.has_limits();
         let mut iterate = Self {
             problem,
@@ -104,11 +114,12 @@ impl<'a> Iterate<'a> {
         let Self { problem: ContactProblem { network, laws, .. }, y, held, slips_down, .. } = self;
         network.sweep(self.load, y, |b, ContactRow { sum, diagonal, measure, .. }| {
             let value = laws[b].settle(sum, diagonal, measure);
-            slips_down[b] = value < 0.0;
-            held[network.contact()[b].node] = value == 0.0;
+            if let Some(slips_down) = slips_down.get_mut(b) {
+                *slips_down = value < laws[b].at();
+            }
+            held[network.boundary()[b].node] = value == laws[b].at();
             value
         });
-        network.held().iter().for_each(|contact| held[contact.node] = true);
         self.work += self.y.len() as f64;
     }
 
@@ -127,7 +138,7 @@ impl<'a> Iterate<'a> {
             } else {
                 BoundaryState::SlipsUp
             };
-            balances[component as usize].see(state, self.problem.most(b));
+            balances[component as usize].see(state, self.problem.ends(b));
         }
         let mut is_shifted = false;
         for (component, balance) in balances.iter().enumerate() {
@@ -138,30 +149,40 @@ impl<'a> Iterate<'a> {
             let mut nodes: Vec<ContactValue> = Vec::new();
             for (b, (contact, &other)) in network.contact().iter().zip(components).enumerate() {
                 if other as usize == component {
-                    let (most, value) = (self.problem.most(b), self.y[contact.node]);
-                    let number = contact.node;
-                    nodes.push(ContactValue { number, most, value, multiplier: 0.0 });
+                    let value = self.y[contact.node] - self.problem.laws[b].at();
+                    let (number, ends) = (b, self.problem.ends(b));
+                    nodes.push(ContactValue { number, ends, value, multiplier: 0.0 });
                 }
             }
             if nodes.is_empty() {
                 continue;
             }
-            let at = place_at_zero(&mut nodes, needed);
-            let ContactValue { number: node, value, .. } = nodes[at];
-            lower(network, node, value, &mut self.y);
-            self.y[node] = 0.0;
-            self.held[node] = true;
+            let zero = place_at_zero(&mut nodes, needed);
+            let ContactValue { number: b, value, .. } = nodes[zero];
+            lower(network, network.contact()[b].node, value, &mut self.y);
+            for (place, node) in nodes.iter().enumerate() {
+                if node.state(place, zero) == BoundaryState::Sticks {
+                    self.stick(node.number);
+                }
+            }
             is_shifted = true;
         }
         if is_shifted && self.problem.has_limits() {
-            // Values may have changed their sign, or have left zero.
+            // Values may be on the other side of those of the laws, or have left them.
             for (b, contact) in network.contact().iter().enumerate() {
-                let value = self.y[contact.node];
-                self.slips_down[b] = value < 0.0;
-                self.held[contact.node] = value == 0.0;
+                let from = self.y[contact.node] - self.problem.laws[b].at();
+                self.slips_down[b] = from < 0.0;
+                self.held[contact.node] = from == 0.0;
             }
         }
         is_shifted
+    }
+
+    /// Gives a contact node the value of its law, and holds it.
+    fn stick(&mut self, b: usize) {
+        let node = self.problem.network.contact()[b].node;
+        self.y[node] = self.problem.laws[b].at();
+        self.held[node] = true;
     }
 
     /// Computes the residual from the nodal vector, and forgets the direction.
@@ -193,10 +214,7 @@ impl<'a> Iterate<'a> {
 
     /// Residual that one rounding of the largest value makes.
     pub(super) fn rounding(&self) -> f64 {
-        let diagonal = self.problem.network.diagonal();
-        let largest =
-            self.y.iter().zip(diagonal).fold(0.0f64, |most, (y, d)| most.max((y * d).abs()));
-        f64::EPSILON * largest
+        f64::EPSILON * self.problem.network.largest_product(&self.y)
     }
 
     /// Energy `1/2 <A y, y> - <F, y>` with the law's term.
@@ -205,7 +223,8 @@ impl<'a> Iterate<'a> {
         let mut twice = terms.map(|((y, load), residual)| y * (load + residual)).sum::<f64>();
         if self.problem.has_limits() {
             for (b, contact) in self.problem.network.contact().iter().enumerate() {
-                twice += self.y[contact.node] * self.flux(b);
+                let at = self.problem.laws[b].at();
+                twice += (self.y[contact.node] - 2.0 * at) * self.flux(b);
             }
         }
         -0.5 * twice
@@ -258,16 +277,17 @@ impl<'a> Iterate<'a> {
         0.5 * length * product
     }
 
-    /// Goes along the direction to the least energy, where each value that changes its sign bends it, and relaxes every
-    /// node: so the energy never grows.
+    /// Goes along the direction to the least energy, where each value that reaches the one of its law bends it, and
+    /// relaxes every node: so the energy never grows.
     fn descend(&mut self, slope: Slope) {
         let network = self.problem.network;
         let mut bends: Vec<Bend> = Vec::new();
         for (b, contact) in network.contact().iter().enumerate() {
-            let (y, direction) = (self.y[contact.node], self.direction[contact.node]);
-            if y * direction < 0.0 {
-                let slope = self.problem.most(b) * direction.abs();
-                bends.push(Bend { at: -y / direction, slope });
+            let law = self.problem.laws[b];
+            let (from, direction) = (self.y[contact.node] - law.at(), self.direction[contact.node]);
+            if from * direction < 0.0 {
+                let slope = contact.measure * (law.hi() - law.lo()) * direction.abs();
+                bends.push(Bend { at: -from / direction, slope });
             }
         }
         let length = slope.least(bends);
@@ -279,21 +299,20 @@ impl<'a> Iterate<'a> {
         self.renew_residual();
     }
 
-    /// Holds the contact nodes whose values have changed their sign, and releases those whose multiplier is outside the
-    /// interval of the law; true if there are any.
+    /// Holds the contact nodes whose values have passed those of their laws, and releases those whose multiplier is
+    /// outside the interval of the law; true if there are any.
     fn adapt(&mut self) -> bool {
         let network = self.problem.network;
         let mut changed = false;
         for (b, contact) in network.contact().iter().enumerate() {
             let node = contact.node;
-            let value = self.y[node];
-            let has_crossed = if self.slips_down[b] { value > 0.0 } else { value < 0.0 };
+            let from = self.y[node] - self.problem.laws[b].at();
+            let has_crossed = if self.slips_down[b] { from > 0.0 } else { from < 0.0 };
             if !self.held[node] && has_crossed {
                 self.residual[node] -= self.flux(b);
                 self.slips_down[b] = false;
-                self.held[node] = true;
-                self.change(node, -value);
-                self.y[node] = 0.0;
+                self.change(node, -from);
+                self.stick(b);
                 changed = true;
             }
         }
@@ -304,10 +323,10 @@ impl<'a> Iterate<'a> {
             if !releases || !self.held[node] {
                 continue;
             }
-            let below = self.residual[node] + self.problem.most(b);
-            if self.residual[node] > 0.0 {
+            let [above, below] = self.problem.ends(b).map(|end| self.residual[node] + end);
+            if above > 0.0 {
                 self.held[node] = false;
-                self.change(node, self.residual[node] / network.diagonal()[node]);
+                self.change(node, above / network.diagonal()[node]);
                 changed = true;
             } else if below < 0.0 {
                 self.held[node] = false;
@@ -331,9 +350,8 @@ impl<'a> Iterate<'a> {
         for (b, contact) in network.contact().iter().enumerate() {
             let node = contact.node;
             if self.held[node] {
-                let residual = self.residual[node];
-                let below = residual + self.problem.most(b);
-                let violation = residual.max(0.0) + below.min(0.0);
+                let [above, below] = self.problem.ends(b).map(|end| self.residual[node] + end);
+                let violation = above.max(0.0) + below.min(0.0);
                 gain += violation * violation / network.diagonal()[node];
             }
         }

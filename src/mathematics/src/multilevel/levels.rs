@@ -7,7 +7,7 @@ use crate::discrete::nested::NestedNetwork;
 use crate::discrete::network::Network;
 use crate::multigrid::order::reverse_cuthill_mckee;
 use crate::multigrid::{InputError, check_load};
-use crate::problem::law::Law;
+use crate::problem::law::{ContactNode, Law, OneSided};
 use std::borrow::Cow;
 
 /// Discrete problem with the interpolation from the next coarser one.
@@ -100,15 +100,28 @@ impl<'a> NetworkLevels<'a> {
         self.levels[level].interpolation.as_ref().expect("a level finer than the coarsest")
     }
 
-    /// Load vectors of all levels, coarsest first, that belong to one of the finest.
-    pub(super) fn restricted(&self, finest: Vec<f64>) -> Vec<Vec<f64>> {
+    /// Load vectors of all levels, coarsest first, that belong to one of the finest. `values` has the one of the
+    /// coarsest mesh that is zero but at nodes where y is given: aggregates do not have these.
+    pub(super) fn restricted(&self, finest: Vec<f64>, values: &[f64]) -> Vec<Vec<f64>> {
         let mut loads = vec![finest];
         for level in (1..self.levels.len()).rev() {
             let coarse_nodes = self.network(level - 1).nodes();
-            loads.push(self.interpolation(level).restrict(&loads[loads.len() - 1], coarse_nodes));
+            let load = &loads[loads.len() - 1];
+            let of_others = (level == self.coarsest_mesh && values.iter().any(|v| *v != 0.0))
+                .then(|| self.without_values(load, values));
+            let load = of_others.as_ref().unwrap_or(load);
+            loads.push(self.interpolation(level).restrict(load, coarse_nodes));
         }
         loads.reverse();
         loads
+    }
+
+    /// Load of the coarsest mesh less the products of the matrix with these values.
+    fn without_values(&self, load: &[f64], values: &[f64]) -> Vec<f64> {
+        let mut left = vec![0.0; load.len()];
+        self.network(self.coarsest_mesh).gradient(values, load, &mut left);
+        left.iter_mut().for_each(|value| *value = -*value);
+        left
     }
 
     /// Number of the connected component of each node of the finest level, and those of the contact nodes of each
@@ -162,14 +175,18 @@ fn of_contact_nodes(network: &Network, of_nodes: &[u32]) -> Vec<u32> {
     network.contact().iter().map(|contact| of_nodes[contact.node]).collect()
 }
 
-/// Nested problems under laws `[0, limit]`.
+/// Nested problems under laws `[0, limit]` and `(-inf, 0]`.
 pub(super) struct NestedProblem<'a> {
     pub(super) levels: NetworkLevels<'a>,
     /// Scaled load of each level.
     pub(super) loads: Vec<Vec<f64>>,
     pub(super) components: Components,
-    /// Factor by which the load was divided.
+    /// Factor by which load and values were divided.
     pub(super) scale: f64,
+    /// Way from the problem as given to this one.
+    pub(super) one_sided: OneSided,
+    /// Energy of the problem as given less that of this one, divided by the square of the factor.
+    pub(super) energy: f64,
 }
 
 impl NestedProblem<'_> {
@@ -177,16 +194,24 @@ impl NestedProblem<'_> {
         self.levels.finest()
     }
 
-    /// Laws `[0, limit]` of the contact nodes of a level, with their limits or without, divided as the load.
+    /// Laws of the nodes with a law of a level, with their limits or without, divided as the load.
     pub(super) fn laws(&self, has_limits: bool, level: usize) -> Result<Vec<Law>, InputError> {
         let [finest, network] = [self.finest(), level].map(|level| self.levels.network(level));
         // On curved boundaries the coarser polygons are shorter: their flux has to balance the same load.
         let longer = finest.laws().measure / network.laws().measure;
-        let limits = network.contact().iter().map(|contact| match has_limits {
-            true => contact.law.one_sided().hi() / self.scale * longer,
-            false => f64::INFINITY,
-        });
-        limits.map(|limit| Ok(Law::new(0.0, limit)?)).collect()
+        let of_node = |contact: &ContactNode| {
+            let law = self.one_sided.law(contact.law);
+            let at = law.at() / self.scale;
+            if law.is_fixed() {
+                return Ok(Law::fixed(at)?);
+            }
+            let hi = match has_limits || !law.lo().is_finite() {
+                true => law.hi() / self.scale * longer,
+                false => f64::INFINITY,
+            };
+            Ok(Law::new(law.lo(), hi)?.with_at(at)?)
+        };
+        network.boundary().iter().map(of_node).collect()
     }
 }
 
@@ -206,7 +231,10 @@ impl Components {
         let (of_nodes, of_contact) = levels.components();
         let found = components(levels.network(levels.finest()), &of_nodes, load);
         check_load(&found)?;
-        let has_fixed = found.iter().map(|component| component.laws.is_held()).collect();
+        let mut has_fixed = vec![false; found.len()];
+        for contact in levels.network(levels.finest()).held() {
+            has_fixed[of_nodes[contact.node] as usize] = true;
+        }
         Ok(Self { has_fixed, of_contact, of_nodes })
     }
 

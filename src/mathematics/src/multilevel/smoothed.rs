@@ -164,7 +164,8 @@ impl Accumulator {
     }
 }
 
-/// Discrete problem of the coarse functions: `P' A P`, with the sums of the laws of the contact nodes.
+/// Discrete problem of the coarse functions: `P' A P`, with the sums of the laws of the contact nodes and the
+/// means of their values.
 fn galerkin(network: &Network, interpolation: &FromAggregates, coarse: usize) -> Network {
     let FromAggregates { rows: interpolation, missing } = interpolation;
     let nodes = network.nodes();
@@ -204,9 +205,12 @@ fn galerkin(network: &Network, interpolation: &FromAggregates, coarse: usize) ->
         });
     }
     let (mut laws, mut masses) = (vec![LawSum::default(); coarse], vec![0.0; coarse]);
+    let mut values = vec![0.0; coarse];
     for contact in network.contact() {
         for entry in interpolation.row(contact.node) {
-            laws[entry.node as usize].add(contact.law, entry.weight * contact.measure);
+            let measure = entry.weight * contact.measure;
+            laws[entry.node as usize].add(contact.law, measure);
+            values[entry.node as usize] += measure * contact.law.at();
         }
     }
     for (node, mass) in network.masses().iter().enumerate() {
@@ -215,7 +219,12 @@ fn galerkin(network: &Network, interpolation: &FromAggregates, coarse: usize) ->
         }
     }
     let contact = laws.into_iter().enumerate().filter(|(_, laws)| laws.measure > 0.0);
-    let contact = contact.map(|(node, laws)| laws.at_node(node)).collect();
+    let contact = contact
+        .map(|(node, mut laws)| {
+            laws.at = values[node] / laws.measure;
+            laws.at_node(node)
+        })
+        .collect();
     Network::of_rows(rows, contact, masses).with_additions(&sums)
 }
 

@@ -8,10 +8,10 @@ use crate::discrete::load_stats::LoadStats;
 use crate::discrete::nested::NestedNetwork;
 use crate::multigrid::driver::{self, Hierarchy};
 use crate::multigrid::{InputError, MultigridParams, check_length};
-use crate::problem::law::OneSided;
+use crate::problem::law::{ContactNode, OneSided};
 
-/// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the contact nodes on the last of nested networks, and
-/// `y = 0` at its fixed nodes. `load` is the load vector F there. Returns the nodal vector, and the end.
+/// Minimises the energy `1/2 y'Ay - F'y` with the law's term at the contact nodes on the last of nested networks, where
+/// y is given at its fixed nodes. `load` is the load vector F there. Returns the nodal vector, and the end.
 ///
 /// # Errors
 /// If the length of `load` is wrong, a number is not finite, or the flux cannot balance the load over a connected
@@ -117,11 +117,18 @@ fn solve_on(
     let components = Components::of(&levels, load)?;
     let finest = levels.network(levels.finest());
     let (laws, has_limits) = (finest.laws(), finest.contact().iter().any(|of| of.law.is_bounded()));
-    let one_sided = OneSided::new(&laws, load)?;
+    let one_sided = OneSided::new(&laws, load);
     let shifted = one_sided.load(load, finest.contact());
     let scale = LoadStats::measure(&shifted).scale();
-    let loads = levels.restricted(shifted.iter().map(|value| value / scale).collect());
-    let nested = NestedProblem { levels, loads, components, scale };
+    let energy = one_sided.energy(finest.contact()) / scale / scale;
+    let mesh = levels.network(levels.coarsest_mesh);
+    let mut values = vec![0.0; mesh.nodes()];
+    for ContactNode { node, law, .. } in mesh.held() {
+        values[*node] = one_sided.signed(law.at()) / scale;
+    }
+    let load = shifted.iter().map(|value| value / scale).collect();
+    let loads = levels.restricted(load, &values);
+    let nested = NestedProblem { levels, loads, components, scale, one_sided, energy };
     let mut run = NetworkRun::new(&nested);
     let factor = one_sided.signed(1.0) / scale;
     let scaled = |y: &[f64]| y.iter().map(|value| factor * value).collect::<Vec<f64>>();

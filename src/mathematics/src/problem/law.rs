@@ -12,18 +12,22 @@
 //! A free part, dv/dn = h, has `[h, h]`, and a fixed one, v = `at`, `(-inf, inf)`: there nothing moves from one state
 //! to another. The law of a node is the sum of the intervals of its facets.
 //!
-//! The paper's problem (1) has `at` = 0 and `[0, inf)`: nothing slips down, and what sticks is in contact. Friction with the bound g
-//! has `[-g, g]` (Glowinski, Lions and Tremolieres, *Numerical Analysis of Variational Inequalities*, 1981), and a
-//! membrane that lets at most a given flow through `[0, hi]` (Duvaut and Lions, *Inequalities in Mechanics and
-//! Physics*, 1976). The energy of the problem has the term `j(v)`, the largest of `-l (v - at)` over the interval. In the
-//! paper's formulas the projection onto the interval takes the place of `( )^+`.
+//! The paper's problem (1) has `at` = 0 and `[0, inf)`: nothing slips down, and what sticks is in contact. Friction
+//! with the bound g has `[-g, g]` (Glowinski, Lions and Tremolieres, *Numerical Analysis of Variational Inequalities*,
+//! 1981), and a membrane that lets at most a given flow through `[0, hi]` (Duvaut and Lions, *Inequalities in Mechanics
+//! and Physics*, 1976). The energy of the problem has the term `j(v)`, the largest of `-l (v - at)` over the interval.
+//! In the paper's formulas the projection onto the interval takes the place of `( )^+`.
 
 use super::text::Written;
 use crate::machine::extremes::{max_or_nan, min_or_nan};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Law on a part of the boundary, or at a node: the value that v leaves only where the flux is at an end of an interval.
+/// Relative difference of two values that rounding errors may make.
+const SAME: f64 = 1e-12;
+
+/// Law on a part of the boundary, or at a node: the value that v leaves only where the flux is at an end of an
+/// interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law {
     /// The value; 0 where the interval is one number, since v takes any value there.
@@ -68,6 +72,8 @@ pub struct LawSum {
     law: Option<Law>,
     /// True if there are several.
     is_mixed: bool,
+    /// Value of v where there are several; see [`Law::meet`].
+    pub(crate) at: f64,
 }
 
 /// Numbers that make no law.
@@ -89,12 +95,6 @@ pub enum LawError {
         /// The number.
         value: f64,
     },
-    /// Laws of which one keeps v from being negative and another one from being positive.
-    #[error(
-        "v is kept from being negative on one part of the boundary and from being positive on another one; the solver \
-         takes one of both"
-    )]
-    Opposed,
     /// Ends of an interval that is empty, has no inner point, or is not bounded on either side.
     #[error(
         "the flux must lie between two numbers, the first smaller and at most one infinite, not {lo} and {hi}"
@@ -119,8 +119,8 @@ pub enum BoundaryState {
     SlipsDown,
 }
 
-/// A problem as one for v or -v under laws `[0, limit]`, with another load: all that solvers have to know of a law is
-/// then one number.
+/// A problem as one for v or -v with another load, under laws one end of which is 0: `[0, limit]`, or `(-inf, 0]` where
+/// another part of the boundary holds v from the other side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct OneSided {
     /// True if the problem is that of -v.
@@ -132,15 +132,9 @@ impl OneSided {
     ///
     /// The end with the smaller absolute value becomes 0. For friction, where both are as far from 0, the end becomes 0
     /// towards which v mostly slips: the load of largest absolute value decides. So f and -f lead to the same numbers,
-    /// and where v has one sign, the limit plays no part.
-    ///
-    /// # Errors
-    /// [`LawError::Opposed`].
-    pub(crate) fn new(laws: &LawSum, load: &[f64]) -> Result<Self, LawError> {
+    /// and where v - `at` has one sign, the limit plays no part.
+    pub(crate) fn new(laws: &LawSum, load: &[f64]) -> Self {
         let [lo, hi] = laws.fluxes;
-        if laws.is_held() {
-            return Err(LawError::Opposed);
-        }
         let is_reflected = if lo == -hi {
             let mut largest = 0.0f64;
             for value in load {
@@ -152,21 +146,38 @@ impl OneSided {
         } else {
             lo.abs() > hi.abs()
         };
-        Ok(Self { is_reflected })
+        Self { is_reflected }
     }
 
-    /// Flux that is added to the load under a law, per length or area.
-    pub(crate) fn shift(self, law: Law) -> f64 {
-        if self.is_reflected { -law.hi } else { law.lo }
+    /// Law of v or -v, and the end that becomes 0: the lower one, if it is finite.
+    fn turned(self, law: Law) -> (Law, f64) {
+        let law = if self.is_reflected { law.reflected() } else { law };
+        let end = if law.lo.is_finite() { law.lo } else { law.hi };
+        (law, if end.is_finite() { end } else { 0.0 })
+    }
+
+    /// Law of the other problem.
+    pub(crate) fn law(self, law: Law) -> Law {
+        let (Law { at, lo, hi }, end) = self.turned(law);
+        Law { at, lo: lo - end, hi: hi - end }
     }
 
     /// Load vector of the other problem, for the load vector F and the nodes with a law.
     pub(crate) fn load(self, load: &[f64], contact: &[ContactNode]) -> Vec<f64> {
         let mut shifted: Vec<f64> = load.iter().map(|value| self.signed(*value)).collect();
         for &ContactNode { node, measure, law } in contact {
-            shifted[node] += measure * self.shift(law);
+            shifted[node] += measure * self.turned(law).1;
         }
         shifted
+    }
+
+    /// Energy of the problem less that of the other problem.
+    pub(crate) fn energy(self, contact: &[ContactNode]) -> f64 {
+        let of_node = |&ContactNode { measure, law, .. }: &ContactNode| {
+            let (law, end) = self.turned(law);
+            measure * end * law.at
+        };
+        contact.iter().map(of_node).sum()
     }
 
     /// Value of the problem as given for one of the other problem, or the other way round.
@@ -189,6 +200,8 @@ impl LawSum {
             return;
         }
         let through = |end: f64| if end.is_finite() { measure * end } else { end };
+        let [lo, hi] = self.fluxes;
+        self.at = Law { at: self.at, lo, hi }.meet(law).unwrap_or(self.at);
         self.measure += measure;
         self.fluxes[0] += through(law.lo);
         self.fluxes[1] += through(law.hi);
@@ -203,17 +216,12 @@ impl LawSum {
     /// The law, or of several the interval of the mean flux.
     pub(crate) fn mean(&self) -> Law {
         let [lo, hi] = self.fluxes.map(|flux| flux / self.measure);
-        self.only().unwrap_or(Law { at: 0.0, lo, hi })
+        self.only().unwrap_or(Law { at: self.at, lo, hi })
     }
 
     /// Node with these laws on its facets.
     pub(crate) fn at_node(&self, node: usize) -> ContactNode {
         ContactNode { node, measure: self.measure, law: self.mean() }
-    }
-
-    /// True if v = 0 somewhere, which balances every f.
-    pub fn is_held(&self) -> bool {
-        self.fluxes == [f64::NEG_INFINITY, f64::INFINITY]
     }
 
     /// Friction or limit, in two digits and with something to spare, under which this flux can leave; none if the laws
@@ -365,6 +373,31 @@ impl Law {
         self.lo.is_finite() && self.hi.is_finite()
     }
 
+    /// True if v may have this value.
+    fn allows(self, v: f64) -> bool {
+        (v >= self.at || self.hi.is_finite()) && (v <= self.at || self.lo.is_finite())
+    }
+
+    /// Value of v at a point where parts with this law and another one meet, unless the flux is at an end of the sum of
+    /// both intervals: that of the fixed part, if the other law allows it; of two least values the larger one, of two
+    /// largest ones the smaller one. None if the laws contradict each other, or v would have two such values.
+    ///
+    /// Values that differ by rounding errors are the same.
+    pub(crate) fn meet(self, other: Self) -> Option<f64> {
+        let [one, two] = [self.at, other.at];
+        let is_same = (one - two).abs() <= SAME * one.abs().max(two.abs());
+        match () {
+            () if self.is_free() => Some(two),
+            () if other.is_free() => Some(one),
+            () if self.is_fixed() && (is_same || other.allows(one)) => Some(one),
+            () if other.is_fixed() && (is_same || self.allows(two)) => Some(two),
+            () if self.is_fixed() || other.is_fixed() => None,
+            () if self.hi == f64::INFINITY && other.hi == f64::INFINITY => Some(one.max(two)),
+            () if self.lo == -f64::INFINITY && other.lo == -f64::INFINITY => Some(one.min(two)),
+            () => is_same.then_some(one),
+        }
+    }
+
     /// Distances of a flux from the lower and the upper end: negative beyond.
     pub fn room(self, flux: f64) -> [f64; 2] {
         [flux - self.lo, self.hi - flux]
@@ -374,11 +407,6 @@ impl Law {
     #[must_use]
     pub fn reflected(self) -> Self {
         Self { at: 0.0 - self.at, lo: 0.0 - self.hi, hi: 0.0 - self.lo }
-    }
-
-    /// The law `[0, limit]` in the [one-sided](OneSided) problem.
-    pub(crate) fn one_sided(self) -> Self {
-        Self::up_to(self.hi - self.lo)
     }
 
     /// Law `[0, limit]`.
@@ -393,19 +421,19 @@ impl Law {
         if above < self.hi { above } else { self.hi }
     }
 
-    /// Minimiser (10), (11) of the modified functional over one boundary unknown.
+    /// Minimiser (10), (11) of the modified functional over one boundary unknown, not of a fixed part.
     #[inline(always)]
     pub(crate) fn relax(self, row: BoundaryRow) -> f64 {
         let BoundaryRow { sum, diagonal, measure, a, r } = row;
         let up = (sum + measure * self.lo) / diagonal;
-        if up >= (a - self.lo) / r {
+        if up - self.at >= (a - self.lo) / r {
             return up;
         }
         let down = (sum + measure * self.hi) / diagonal;
-        if down <= (a - self.hi) / r {
+        if down - self.at <= (a - self.hi) / r {
             return down;
         }
-        (sum + measure * a) / (diagonal + measure * r)
+        (sum + measure * (a + r * self.at)) / (diagonal + measure * r)
     }
 
     /// Minimiser of the energy over one boundary unknown, `Law::relax` as r grows: the diagonal entry times y is
@@ -414,17 +442,18 @@ impl Law {
     pub fn settle(self, sum: f64, diagonal: f64, measure: f64) -> f64 {
         let up = (sum + measure * self.lo) / diagonal;
         let down = (sum + measure * self.hi) / diagonal;
-        up.max(down.min(0.0))
+        up.max(down.min(self.at))
     }
 
     /// Natural residual at a boundary node where `gradient` is that of the energy without the boundary, `(A y - F)_i`:
-    /// the distance of the gradient from the point of `measure` times the interval that is next to `gradient - y`.
+    /// the distance of the gradient from the point of `measure` times the interval that is next to
+    /// `gradient - (y - at)`.
     ///
     /// For the paper's law `|min(y, gradient)|`.
     #[inline(always)]
     pub fn residual(self, y: f64, gradient: f64, measure: f64) -> f64 {
         let [above_lo, above_hi] = self.above_ends(gradient, measure);
-        min_or_nan(above_lo, max_or_nan(y, above_hi)).abs()
+        min_or_nan(above_lo, max_or_nan(y - self.at, above_hi)).abs()
     }
 
     /// Differences between a gradient and `measure` times the ends of the interval; infinite for an infinite end,
@@ -445,9 +474,10 @@ impl Law {
     /// gradient is inside, and where both it and v are undecided. NaN slips up.
     pub fn state(self, y: f64, gradient: f64, measure: f64, rounding: f64) -> BoundaryState {
         let [above_lo, above_hi] = self.above_ends(gradient, measure);
-        if above_hi - y > rounding {
+        let from = y - self.at;
+        if above_hi - from > rounding {
             BoundaryState::SlipsDown
-        } else if y - above_lo <= rounding {
+        } else if from - above_lo <= rounding {
             BoundaryState::Sticks
         } else {
             BoundaryState::SlipsUp
@@ -459,29 +489,41 @@ impl Law {
         flux - self.lo > rounding && self.hi - flux > rounding
     }
 
-    /// Term j(v) of the energy, per length or area of the boundary. For an infinite end of the interval, which v of the
-    /// other sign violates, zero there.
+    /// Term j(v) of the energy, per length or area of the boundary. For an infinite end of the interval, which v on the
+    /// other side of `at` violates, zero there.
     #[inline(always)]
     pub fn potential(self, v: f64) -> f64 {
-        let flux = if v > 0.0 { self.lo } else { self.hi };
-        if flux.is_finite() { -flux * v } else { 0.0 }
+        let from = v - self.at;
+        let flux = if from > 0.0 { self.lo } else { self.hi };
+        if flux.is_finite() { -flux * from } else { 0.0 }
     }
 }
 
 /// The law, as it stands in messages.
 impl fmt::Display for Law {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { at, lo, hi } = *self;
         match *self {
-            Self::SIGNORINI => return out.write_str("Signorini"),
-            Self::FREE => return out.write_str("free"),
-            Self::FIXED => return out.write_str("fixed"),
-            _ if self.is_free() => return write!(out, "dv/dn = {}", Written(lo)),
-            _ if self.is_fixed() => return write!(out, "v = {}", Written(at)),
-            _ if hi == f64::INFINITY => write!(out, "v >= {}", Written(at))?,
-            _ if lo == f64::NEG_INFINITY => write!(out, "v <= {}", Written(at))?,
-            _ if lo == -hi => write!(out, "friction {}", Written(hi))?,
-            _ => write!(out, "flux from {} to {}", Written(lo), Written(hi))?,
+            Self::SIGNORINI => out.write_str("Signorini"),
+            Self::FREE => out.write_str("free"),
+            Self::FIXED => out.write_str("fixed"),
+            law => Conditions(law).fmt(out),
+        }
+    }
+}
+
+/// The conditions on v and its flux, as they stand in messages.
+pub(crate) struct Conditions(pub Law);
+
+impl fmt::Display for Conditions {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let law @ Law { at, lo, hi } = self.0;
+        match () {
+            () if law.is_free() => return write!(out, "dv/dn = {}", Written(lo)),
+            () if law.is_fixed() => return write!(out, "v = {}", Written(at)),
+            () if hi == f64::INFINITY => write!(out, "v >= {}", Written(at))?,
+            () if lo == f64::NEG_INFINITY => write!(out, "v <= {}", Written(at))?,
+            () if lo == -hi => write!(out, "friction {}", Written(hi))?,
+            () => write!(out, "flux from {} to {}", Written(lo), Written(hi))?,
         }
         match [lo, hi].map(f64::is_finite) {
             [true, true] if at == 0.0 => Ok(()),

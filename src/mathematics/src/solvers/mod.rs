@@ -10,6 +10,8 @@ mod size;
 mod solved;
 mod solver;
 mod table;
+#[cfg(test)]
+mod values;
 
 pub use adapted::Adaption;
 pub use convergence::Convergence;

@@ -12,7 +12,6 @@ use crate::mesh::PlaneMesh;
 use crate::multigrid::active_set::active_set as solve_by_states;
 use crate::multigrid::{Goal, InputError, MultigridParams};
 use crate::multilevel::solve_nested_networks;
-use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::saddle::{Monitor, NestedRun, Pair, Params, solve_nested_together};
 use crate::spectral::{
@@ -81,18 +80,21 @@ impl TrueSolution {
         let points = mesh.points();
         let (mut y, mut a) = (self.values(points), Vec::new());
         // Where functions are singular, at corners, the boundary alone has their values.
-        let free = mesh.facets().iter().filter(|facet| mesh.law(facet) == Law::FREE);
+        let free = mesh.facets().iter().filter(|facet| mesh.law(facet).is_free());
         for node in free.flat_map(|facet| facet.nodes).map(|node| node as usize) {
             [y[node], _] = self.on_boundary(points[node]);
         }
         for contact in problem.domain(level).contact().iter() {
             let [value, flux] = self.on_boundary(points[contact.node]);
             // What violates the law is an error of the method, which must not be taken for penetration.
-            y[contact.node] = if contact.law.hi().is_infinite() { value.max(0.0) } else { value };
+            let law = contact.law;
+            y[contact.node] = if law.hi().is_infinite() { value.max(law.at()) } else { value };
             a.push(contact.law.project(flux));
         }
-        let fixed = mesh.facets().iter().filter(|facet| mesh.law(facet) == Law::FIXED);
-        fixed.flat_map(|facet| facet.nodes).for_each(|node| y[node as usize] = 0.0);
+        let fixed = mesh.facets().iter().filter(|facet| mesh.law(facet).is_fixed());
+        for facet in fixed {
+            facet.nodes.iter().for_each(|&node| y[node as usize] = mesh.law(facet).at());
+        }
         Pair { y, a }
     }
 }

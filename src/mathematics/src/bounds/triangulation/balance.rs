@@ -33,7 +33,7 @@ struct Outlet {
 impl Outlet {
     /// The outlet, where this is the flux.
     fn with(self, flux: f64) -> Self {
-        let room = if self.law == Law::FIXED { flux } else { self.interval().room(flux) };
+        let room = if self.law.is_fixed() { flux } else { self.interval().room(flux) };
         Self { room, size: flux.abs(), ..self }
     }
 
@@ -45,7 +45,7 @@ impl Outlet {
     /// Order by fitness for what is left in the end: fixed sides first, then sides with much room, for the paper's law
     /// much outflow. Of two sides with equal room, the one with the smaller flux.
     fn compare(&self, other: &Self) -> Ordering {
-        let by_law = (other.law == Law::FIXED).cmp(&(self.law == Law::FIXED));
+        let by_law = (other.law.is_fixed()).cmp(&(self.law.is_fixed()));
         let by_room = by_law.then(other.room.total_cmp(&self.room));
         by_room.then(self.size.total_cmp(&other.size))
     }
@@ -69,12 +69,14 @@ pub(super) fn balance<const D: usize, const V: usize>(
 ) -> Result<(), NoBound> {
     let masses = cells.masses();
     let mut outlets = Vec::with_capacity(forest.trees());
-    for (tree, of_tree) in outlets_of_trees(cells, sides, forest, flux).into_iter().enumerate() {
+    let (of_trees, given) = outlets_of_trees(cells, sides, forest, flux);
+    for (tree, of_tree) in of_trees.into_iter().enumerate() {
         outlets.push(match of_tree.iter().min_by(|one, two| one.compare(two)) {
-            Some(best) if best.law == Law::FIXED => *best,
+            Some(best) if best.law.is_fixed() => *best,
             _ => {
-                let integral = forest.cells(tree).iter().map(|&cell| masses[cell as usize]).sum();
-                balance_outflows(of_tree, integral, flux)?
+                let integral: f64 =
+                    forest.cells(tree).iter().map(|&cell| masses[cell as usize]).sum();
+                balance_outflows(of_tree, integral + given[tree], flux)?
             }
         });
     }
@@ -99,20 +101,25 @@ pub(super) fn balance<const D: usize, const V: usize>(
     Ok(())
 }
 
-/// Sides of the boundary of each tree through which flux may leave; the law is made to allow the flux.
+/// Sides of the boundary of each tree through which flux may leave, and the flux through its free sides; the law is
+/// made to allow the flux.
 fn outlets_of_trees<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
     forest: &CellForest,
     flux: &mut [f64],
-) -> Vec<Vec<Outlet>> {
+) -> (Vec<Vec<Outlet>>, Vec<f64>) {
     let mesh = cells.mesh;
     let boundary = sides.of_facets().iter();
     let largest = boundary.fold(0.0f64, |most, at| most.max(flux[at.side as usize].abs()));
-    let mut outlets = vec![Vec::new(); forest.trees()];
+    let (mut outlets, mut given) = (vec![Vec::new(); forest.trees()], vec![0.0; forest.trees()]);
     for (facet, &BoundarySide { side, cell }) in mesh.facets().iter().zip(sides.of_facets()) {
-        let law = mesh.law(facet);
-        if law != Law::FREE {
+        let (law, tree) = (mesh.law(facet), forest.tree_of[cell as usize] as usize);
+        if law.is_free() {
+            let flux = &mut flux[side as usize];
+            *flux = cells.interval(facet).clamp(*flux);
+            given[tree] += *flux;
+        } else {
             let measure = measure(mesh.corners(facet));
             let outlet = Outlet { side, cell, law, measure, room: 0.0, size: 0.0 };
             // Sums of parts at an end of the interval may exceed the end by rounding; and where all parts are at ends,
@@ -120,14 +127,14 @@ fn outlets_of_trees<const D: usize, const V: usize>(
             let room = if law.is_bounded() { ROOM * largest } else { 0.0 };
             let flux = &mut flux[side as usize];
             *flux = outlet.interval().within(room).clamp(*flux);
-            outlets[forest.tree_of[cell as usize] as usize].push(outlet.with(*flux));
+            outlets[tree].push(outlet.with(*flux));
         }
     }
-    outlets
+    (outlets, given)
 }
 
 /// Changes the outflows through the boundary of a component without fixed sides until they balance the integral of f
-/// there; returns the best outlet.
+/// there, with the flux through its free sides; returns the best outlet.
 fn balance_outflows(
     outlets: Vec<Outlet>,
     integral: f64,

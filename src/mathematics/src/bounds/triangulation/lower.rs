@@ -1,16 +1,17 @@
 //! Lower bound of the error, from quadratic functions.
 //!
-//! Let b vanish on the contact boundary and the fixed boundary. Then `w + b` is in K with w, and the law's terms of
-//! both are the same, so that `|grad (u - w)|^2 - |grad (u - w - b)|^2 = 2 (J(w) - J(w + b)) = 2 r(b) - |grad b|^2`,
-//! with `r(b) = (f, b) - (grad w, grad b)`. The best multiple of b gives `|grad (u - w)|^2 >= r(b)^2 / |grad b|^2`.
-//! Here b is a sum of bubbles `4 p q` on the edges, p and q the hat functions of the ends, each as large as is best for
-//! it alone.
+//! Let b vanish on the boundary but for its free parts, with the flux h. Then `w + b` is in K with w, and the law's
+//! terms of both are the same, so that `|grad (u - w)|^2 - |grad (u - w - b)|^2 = 2 (J(w) - J(w + b)) = 2 r(b) - |grad
+//! b|^2`, with `r(b) = (f, b) + <h, b> - (grad w, grad b)`. The best multiple of b gives `|grad (u - w)|^2 >= r(b)^2 /
+//! |grad b|^2`. Here b is a sum of bubbles `4 p q` on the edges, p and q the hat functions of the ends, each as large
+//! as is best for it alone.
 
 use super::BoundedProblem;
 use super::cells::{COST, at_nodes, gradient};
 use super::linear::product;
+use crate::bounds::boundary::PartLaw;
 use crate::machine::threads::{among_threads, for_runs, items_per_task, map_range};
-use crate::mesh::{BoundarySide, Element, Mesh, Sides, dot};
+use crate::mesh::{BoundarySide, Element, Mesh, Sides, dot, measure};
 use crate::problem::law::Law;
 
 /// Rounding errors of a residual, in roundings of its terms.
@@ -106,11 +107,20 @@ fn bubbles<const D: usize, const V: usize>(
         }
     }
     for (facet, &BoundarySide { side, cell }) in mesh.facets().iter().zip(sides.of_facets()) {
-        if mesh.law(facet) != Law::FREE {
+        let law = mesh.law(facet);
+        // The bubble of an edge has this part of the flux through a facet.
+        let given =
+            4.0 / (D * (D + 1)) as f64 * PartLaw::new(law, measure(mesh.corners(facet))).least;
+        if law != Law::FREE {
             let (nodes, opposite) = (&mesh.cells()[cell as usize], sides.slot(cell, side));
             for ends in pairs::<V>().filter(|ends| !ends.contains(&opposite)) {
                 let edge = sides.edge(cell, nodes, ends);
-                bubbles[edge].stiffness = f64::INFINITY;
+                if law.is_free() {
+                    bubbles[edge].residual += given;
+                    bubbles[edge].magnitude += given.abs();
+                } else {
+                    bubbles[edge].stiffness = f64::INFINITY;
+                }
             }
         }
     }

@@ -4,19 +4,19 @@
 //! distance from the domain with the curve is not in the bounds.
 //!
 //! # The identity
-//! Let the law keep dv/dn in `[lo, hi]` on the contact boundary, and let j(v) be the largest of `-l v` over the l of
-//! this interval. K are the functions v of H^1 with finite j(v) on the contact boundary, under the paper's law v >= 0,
-//! and v = 0 on the fixed boundary. A *flux* sigma has `-div sigma = f` inside, `sigma.n` in `[lo, hi]` on the contact
-//! boundary, `sigma.n = 0` on the free boundary, and any `sigma.n` on the fixed boundary. Then, for w in K, with `< >`
-//! the integral over the contact boundary,
+//! Let the law keep dv/dn in `[lo, hi]` on each part of the boundary, and let j(v) be the largest of `-l
+//! (v - at)` over the l of this interval; on a free part, where lo = hi = h, `-h v`. K are the functions v of H^1 with
+//! finite j(v), under the paper's law v >= 0, on a fixed part v = `at`. A *flux* sigma has `-div sigma = f` inside and
+//! `sigma.n` in `[lo, hi]` on each part. Then, for w in K, with `< >` the integral over the boundary without its free
+//! parts,
 //!
 //! ```text
-//! J(w) + 1/2 |sigma|^2 = 1/2 |grad w - sigma|^2 + <j(w) + sigma.n w> =: G(w, sigma),
-//! -1/2 |sigma|^2 <= J(u) <= J(w),    J(u) <= J(0) = 0,    |grad (u - w)|^2 <= 2 G.
+//! J(w) + 1/2 |sigma|^2 - <sigma.n at> = 1/2 |grad w - sigma|^2 + <j(w) + sigma.n (w - at)> =: G(w, sigma),
+//! -1/2 |sigma|^2 + <sigma.n at> <= J(u) <= J(w),    |grad (u - w)|^2 <= 2 G,
 //! ```
 //!
-//! w is the linear function of the nodal vector, with zero in place of values on the contact boundary that the law
-//! forbids and of all values on the fixed boundary. Nothing else is assumed of the vector.
+//! and J(u) <= J(0) = 0 where all `at` are 0. w is the linear function of the nodal vector, with `at` in place of
+//! values on the boundary that the law forbids. Nothing else is assumed of the vector.
 //!
 //! # The flux
 //! First, sigma is a field of Raviart and Thomas of lowest order: one number for each side. Step 1 forms a part of the
@@ -226,15 +226,15 @@ fn combined<const D: usize, const V: usize>(
     summands: &Summands<'_, D, V>,
     (totals, squares): (Totals, Vec<f64>),
 ) -> Result<LocalBounds, NoBound> {
-    let largest = summands.w.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
+    let largest = summands.largest();
     let rounding = totals.rounding(largest);
     let of_exact_load = summands.exact_load();
-    let load = of_exact_load.unwrap_or(totals.load - totals.deviation);
+    let load = of_exact_load.unwrap_or(totals.load - totals.deviation + totals.given);
     let inside = 0.5 * totals.gradient - load;
     let energy = inside + totals.potential;
     let gap = 0.5 * totals.distance + totals.work;
     let of_flux = totals.rounding_of_flux(largest);
-    let by_flux = -0.5 * totals.flux - of_flux;
+    let by_flux = -0.5 * totals.flux - of_flux + totals.of_values;
     let least = match of_exact_load {
         // J(w) less G, in which the law's terms cancel.
         Some(_) => by_flux.max(inside - 0.5 * totals.distance - totals.through - 3.0 * of_flux),
@@ -242,9 +242,14 @@ fn combined<const D: usize, const V: usize>(
     };
     let distance = root(2.0 * (gap + 2.0 * rounding));
     let projection = totals.projection.sqrt() * (1.0 + 1e-12);
+    let most = energy + rounding;
+    let has_values = summands.has_values();
+    // |grad u| is at least |grad w| less the distance.
+    let gradient = has_values.then(|| (root(totals.gradient - rounding) - distance).max(0.0));
     let bounds = Bounds {
-        energy: below_zero([least, energy + rounding]),
+        energy: if has_values { [least, most] } else { below_zero([least, most]) },
         error: [0.0, distance + projection],
+        gradient,
         recovered: None,
         curve: segments(summands),
     };
@@ -263,17 +268,18 @@ fn segments<const D: usize, const V: usize>(summands: &Summands<'_, D, V>) -> Op
     Some(0.5 * shares?.iter().map(|share| share.square).sum::<f64>())
 }
 
-/// Nodal vector of a function in K: values whose signs the law of the node does not allow, or that are left out, are
-/// replaced by zero.
+/// Nodal vector of a function in K: values on a side of that of the law of the node which it does not allow, or that is
+/// left out, are replaced by that of the law.
 fn admissible<'a>(network: &Network, slips: Slips, y: &'a [f64]) -> Cow<'a, [f64]> {
-    let kept = |contact: &ContactNode| slips.and(contact.law).keep(y[contact.node]);
-    let is_kept = |contact: &ContactNode| y[contact.node] == 0.0 || kept(contact) != 0.0;
-    if network.boundary().iter().all(is_kept) {
-        return Cow::Borrowed(y);
+    let is_left_out = |contact: &&ContactNode| {
+        let from = y[contact.node] - contact.law.at();
+        from != 0.0 && slips.and(contact.law).keep(from) == 0.0
+    };
+    let mut w = Cow::Borrowed(y);
+    for contact in network.boundary().iter().filter(is_left_out) {
+        w.to_mut()[contact.node] = contact.law.at();
     }
-    let mut w = y.to_vec();
-    network.boundary().iter().for_each(|contact| w[contact.node] = kept(contact));
-    Cow::Owned(w)
+    w
 }
 
 /// Fluxes through all sides: sigma, for a nodal vector in K and the means of f over the cells. The stiffness matrix in

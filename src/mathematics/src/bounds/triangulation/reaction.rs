@@ -25,36 +25,42 @@ pub(super) struct OpenNode<const D: usize> {
 
 impl<const D: usize> OpenNode<D> {
     /// Lets the reaction out through the facets as far as their laws allow, each in proportion to its measure; through
-    /// the fixed ones alone if there are any. Returns the outflow.
+    /// the fixed ones alone if there are any, beside the flux of free ones. Returns the outflow.
     ///
-    /// A reaction beyond the end of the interval to which w slips, where w is not zero, does work on w, and one that is
-    /// left to the cells lengthens the distance from `grad w`. The sum of both is about least for the reaction that is
-    /// left after the best change of w at this node alone.
+    /// A reaction beyond the end of the interval to which w slips, where w is not the value of the law, does work on
+    /// the difference, and one that is left to the cells lengthens the distance from `grad w`. The sum of both is about
+    /// least for the reaction that is left after the best change of w at this node alone.
     pub(super) fn let_out(self, facets: &mut [OpenFacet], reaction: f64) -> f64 {
         let Self { w, stiffness } = self;
-        let (mut laws, mut fixed) = (LawSum::default(), 0.0);
-        for facet in &*facets {
-            laws.add(facet.law, facet.measure);
-            fixed += if facet.law == Law::FIXED { facet.measure } else { 0.0 };
-        }
         // Each of the D nodes of a facet has the same part of the facet.
         let part = |law: Law, measure: f64| PartLaw::new(law, measure / D as f64);
-        let left = if w == 0.0 { reaction } else { reaction - stiffness * w };
-        let outflow = part(laws.mean(), laws.measure).clamp(left);
+        let (mut laws, mut fixed, mut given) = (LawSum::default(), 0.0, 0.0);
+        for &OpenFacet { law, measure, .. } in &*facets {
+            laws.add(law, measure);
+            fixed += if law.is_fixed() { measure } else { 0.0 };
+            given += if law.is_free() { part(law, measure).least } else { 0.0 };
+        }
+        let (law, reaction) = (laws.mean(), reaction - given);
+        let from = w - law.at();
+        let left = if from == 0.0 { reaction } else { reaction - stiffness * from };
+        let outflow = part(law, laws.measure).clamp(left);
         let whole = if fixed > 0.0 { fixed } else { laws.measure };
         let mut parts = Vec::with_capacity(facets.len());
         for &OpenFacet { law, measure, .. } in &*facets {
-            let is_open = law != Law::FREE && (law == Law::FIXED || fixed == 0.0);
-            let flux = if is_open { outflow * (measure / whole) } else { 0.0 };
+            let flux = match law.is_fixed() || fixed == 0.0 {
+                _ if law.is_free() => part(law, measure).least,
+                true => outflow * (measure / whole),
+                false => 0.0,
+            };
             parts.push(BoundaryPart { flux, measure, law: part(law, measure) });
         }
         let is_outside = |part: &BoundaryPart| part.law.clamp(part.flux) != part.flux;
         if laws.only().is_none() && parts.iter().any(is_outside) {
             parts.iter_mut().for_each(|part| part.flux = part.law.clamp(part.flux));
-            shift_to_sum(&mut parts, outflow);
+            shift_to_sum(&mut parts, outflow + given);
         }
         facets.iter_mut().zip(parts).for_each(|(facet, part)| facet.outflow = part.flux);
-        outflow
+        outflow + given
     }
 }
 
@@ -84,6 +90,11 @@ mod tests {
         assert_eq!(outflows(OpenNode { w: -2.0, ..node }, [friction; 2], 0.3), [0.25, 0.25]);
         assert_eq!(outflows(node, [law, Law::FREE], 3.0), [3.0, 0.0]);
         assert_eq!(outflows(node, [law, Law::FIXED], -3.0), [0.0, -3.0]);
+        // The flux of a free facet is given; the value of the law is where v sticks.
+        assert_eq!(outflows(node, [law, Law::free(-2.0).unwrap()], 3.0), [3.5, -0.5]);
+        let high = [Law::above(2.0, 0.0).unwrap(); 2];
+        assert_eq!(outflows(OpenNode { w: 2.0, ..node }, high, 3.0), [1.5, 1.5]);
+        assert_eq!(outflows(OpenNode { w: 4.0, ..node }, high, 3.0), [0.0, 0.0]);
         // Each facet keeps to its law.
         assert_eq!(outflows(node, [law, friction], 3.0), [2.75, 0.25]);
         assert_eq!(outflows(node, [law, friction], -3.0), [0.0, -0.25]);

@@ -9,7 +9,6 @@ use super::cells::Cells;
 use super::triangles::Triangle;
 use crate::discrete::network::Network;
 use crate::mesh::{BoundarySide, Sides};
-use crate::problem::law::Law;
 
 /// Bounds of psi at a node of the boundary by a facet in contact, relative to psi at the other end.
 #[derive(Clone, Copy)]
@@ -88,7 +87,7 @@ impl Stream {
                 }
                 let end: &mut StreamEnd = &mut boundary[*place as usize];
                 end.facets += 1;
-                end.is_free |= law == Law::FREE;
+                end.is_free |= law.is_free();
                 if law.may_move() {
                     let law = cells.interval(facet);
                     let outflow = flux[side as usize];
@@ -118,7 +117,7 @@ impl Stream {
                 }
                 best.min(upper).max(lower)
             }
-            // A free facet has no flux; a node at which the domain touches itself is left out.
+            // A free facet keeps its flux; a node at which the domain touches itself is left out.
             Some(_) => 0.0,
         };
     }

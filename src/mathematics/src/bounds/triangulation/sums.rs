@@ -7,6 +7,7 @@ use crate::machine::threads::in_tasks;
 use crate::mesh::{
     BoundarySide, Element, Facet, Mesh, MeshLoad, Sides, difference, dot, size, sorted,
 };
+use crate::problem::law::Law;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -33,12 +34,17 @@ pub(super) struct Totals {
     pub deviation: f64,
     /// `|grad (y - w)|^2`, y the vector that was given.
     pub projection: f64,
-    /// Integral of `j(w) + w sigma.n` over the boundary; for the paper's law the work of the reactions.
+    /// Integral of `j(w) + (w - at) sigma.n` over the boundary without free parts; for the paper's law the work of the
+    /// reactions.
     pub work: f64,
-    /// Integral of w sigma.n over the boundary.
+    /// Integral of `(w - at) sigma.n` there.
     pub through: f64,
-    /// Integral of j(w) over the boundary.
+    /// Integral of j(w) there.
     pub potential: f64,
+    /// Integral of `at sigma.n` there.
+    pub of_values: f64,
+    /// Integral of the flux of free parts times w over them.
+    pub given: f64,
     /// Integral of |f|, its means.
     pub mass: f64,
     /// Sum of absolute values inside, of which rounding errors are a small part.
@@ -61,6 +67,8 @@ impl Totals {
             work: self.work + other.work,
             through: self.through + other.through,
             potential: self.potential + other.potential,
+            of_values: self.of_values + other.of_values,
+            given: self.given + other.given,
             mass: self.mass + other.mass,
             magnitude: self.magnitude + other.magnitude,
             boundary_magnitude: self.boundary_magnitude + other.boundary_magnitude,
@@ -68,8 +76,8 @@ impl Totals {
         }
     }
 
-    /// Upper bound of the rounding errors of energies; `largest` is the largest |w|, on which a flux does work that is
-    /// not balanced to the last digit.
+    /// Upper bound of the rounding errors of energies; `largest` is the largest |w|, and |at|, on which a flux does
+    /// work that is not balanced to the last digit.
     pub(super) fn rounding(&self, largest: f64) -> f64 {
         let of_law = f64::EPSILON * ROUNDINGS * (self.boundary_magnitude + self.work);
         self.rounding_of_flux(largest) + of_law
@@ -120,7 +128,23 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
         (halved_sum(&of_runs).add(halved_sum(&of_facets)), squares)
     }
 
-    /// Integral of f times w, if f is not constant on cells but on shapes, so that its load vector is exact.
+    /// Largest |w|, with the largest value of a law.
+    pub(super) fn largest(&self) -> f64 {
+        let largest = |sizes: &mut dyn Iterator<Item = f64>| sizes.fold(0.0f64, f64::max);
+        largest(&mut self.w.iter().map(|value| value.abs())) + largest(&mut self.values())
+    }
+
+    /// True if the law of a part has a value that is not 0.
+    pub(super) fn has_values(&self) -> bool {
+        self.values().any(|value| value != 0.0)
+    }
+
+    fn values(&self) -> impl Iterator<Item = f64> {
+        self.mesh.parts().iter().map(|part| part.law.at().abs())
+    }
+
+    /// Integral of f and of the flux of free parts times w, if f is not constant on cells but on shapes, so that its
+    /// load vector is exact.
     pub(super) fn exact_load(&self) -> Option<f64> {
         let is_exact = self.f.cells.deviation.is_some() && self.f.unsettled.is_none();
         is_exact.then(|| halved_product(&self.f.load, self.w))
@@ -176,15 +200,12 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
             load: mean * volume * (w.iter().sum::<f64>() / V as f64),
             deviation: if field == 0.0 { 0.0 } else { field * gradient_square.sqrt() },
             projection: self.projection(nodes, &element, w),
-            work: 0.0,
-            through: 0.0,
-            potential: 0.0,
             mass: mean.abs() * volume,
-            boundary_magnitude: 0.0,
             magnitude: volume * (steepest + mean.abs() * highest)
                 + deviation * volume.sqrt() * highest
                 + longer_square(largest_square(&vertices, volume, &outflows), field),
             flow: outflows.as_flattened().iter().map(|q| q.abs()).sum::<f64>() / D as f64,
+            ..Totals::default()
         }
     }
 
@@ -198,20 +219,35 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
         element.volume * dot(moved, moved)
     }
 
-    /// Integrals over the facets in contact, each with its cell.
+    /// Integrals over the facets with a law, each with its cell, but over those where v or its flux is 0.
     fn boundary(&self) -> Vec<(u32, Totals)> {
         let mut terms = Vec::new();
-        for (facet, &BoundarySide { side, cell }) in self.contact() {
-            let law = interval(self.mesh, facet);
-            let w = sorted(facet.nodes).map(|node| self.w[node as usize]);
+        for (facet, &BoundarySide { side, cell }) in
+            self.mesh.facets().iter().zip(self.sides.of_facets())
+        {
+            let law = self.mesh.law(facet);
+            if [Law::FREE, Law::FIXED].contains(&law) {
+                continue;
+            }
+            let (at, interval) = (law.at(), interval(self.mesh, facet));
+            let w = sorted(facet.nodes).map(|node| self.w[node as usize] - at);
             let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
             let flux = self.flux[side as usize];
-            let totals = Totals {
-                work: law.work_of_facet(w, flux),
-                through: mean_product(w, flux),
-                potential: law.potential(w, 0.0),
-                boundary_magnitude: 2.0 * law.ends_in_use(&w) * highest,
-                ..Totals::default()
+            let totals = match law.is_free() {
+                true => Totals {
+                    given: mean_product(w, flux),
+                    magnitude: interval.least.abs() * highest,
+                    ..Totals::default()
+                },
+                false => Totals {
+                    work: interval.work_of_facet(w, flux),
+                    through: mean_product(w, flux),
+                    potential: interval.potential(w, 0.0),
+                    of_values: at * (flux.iter().sum::<f64>() / D as f64),
+                    boundary_magnitude: 2.0 * interval.ends_in_use(&w) * highest,
+                    magnitude: at.abs() * flux.iter().map(|flux| flux.abs()).sum::<f64>(),
+                    ..Totals::default()
+                },
             };
             terms.push((cell, totals));
         }

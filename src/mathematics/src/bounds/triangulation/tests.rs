@@ -52,6 +52,7 @@ fn constant_on_cells<const D: usize, const V: usize>(
         cells: CellData { mean, deviation: None, shares: None },
         integral,
         size,
+        given: 0.0,
         unsettled: None,
         moved: 0.0,
     }

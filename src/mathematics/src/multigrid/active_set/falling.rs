@@ -1,7 +1,8 @@
 //! Active set method whose energy falls, so that it ends: for matrices that are no M-matrices, as of stretched cells.
 //!
 //! # Algorithm
-//! Nodes at zero stick; the signs of the other values say how they slip.
+//! Nodes at the values of their laws stick; on which side of them the others are says how they slip. Below, zero is the
+//! value of the law.
 //! 1. Find the vector of least energy with these states. If its values have the signs of the states, go there, and
 //!    minimise the energy over one value after the other.
 //! 2. Otherwise go a part of the way, with a value of zero at each node whose value would change its sign: the whole
@@ -21,7 +22,7 @@ use super::StateSystem;
 use super::states::StateProblem;
 use crate::discrete::end::Stop;
 use crate::discrete::network::ContactRow;
-use crate::problem::law::{BoundaryState, ContactNode};
+use crate::problem::law::{BoundaryState, ContactNode, Law};
 
 /// Work of all linear systems at most, in multiplications: a minute or two.
 const MOST_WORK: f64 = 1e11;
@@ -70,16 +71,17 @@ impl StateProblem<'_> {
     /// Part of the way from a vector to another one at which the value of each contact node becomes zero; infinity
     /// where it keeps the sign of its state.
     fn crossings(&self, states: &[BoundaryState], y: &[f64], best: &[f64]) -> Vec<f64> {
-        let of_node = |contact: &ContactNode| {
+        let of_node = |(contact, law): (&ContactNode, &Law)| {
+            let at = law.at();
             let (from, to) = (y[contact.node], best[contact.node]);
             let keeps = match states[contact.node] {
                 BoundaryState::Sticks => true,
-                BoundaryState::SlipsUp => to >= 0.0,
-                BoundaryState::SlipsDown => to <= 0.0,
+                BoundaryState::SlipsUp => to >= at,
+                BoundaryState::SlipsDown => to <= at,
             };
-            if keeps { f64::INFINITY } else { from / (from - to) }
+            if keeps { f64::INFINITY } else { (from - at) / (from - to) }
         };
-        self.network.contact().iter().map(of_node).collect()
+        self.network.contact().iter().zip(self.laws).map(of_node).collect()
     }
 
     /// Goes a part of the way to a vector, on which the energy falls, and lets the nodes that reach zero stick; see
@@ -102,9 +104,10 @@ impl StateProblem<'_> {
         let reached = loop {
             let mut step: Vec<f64> =
                 y.iter().zip(best).map(|(from, to)| part * (to - from)).collect();
-            for (contact, crossing) in self.network.contact().iter().zip(crossings) {
+            let contact = self.network.contact().iter().zip(self.laws);
+            for ((contact, law), crossing) in contact.zip(crossings) {
                 if *crossing <= part {
-                    step[contact.node] = -y[contact.node];
+                    step[contact.node] = law.at() - y[contact.node];
                 }
             }
             // Without nodes at zero that bar the way the first part lowers the energy, whatever rounding errors say.
@@ -123,6 +126,7 @@ impl StateProblem<'_> {
                 states[contact.node] = BoundaryState::Sticks;
             }
         }
+        self.put_at_values(states, y);
     }
 
     /// Minimises the energy over one value after the other some times, then over the constant of each component without
@@ -144,5 +148,12 @@ impl StateProblem<'_> {
                 }
             }
         }
+        // Nodes of components that have not been shifted keep their values.
+        next.iter_mut().zip(self.components).for_each(|(state, component)| {
+            if has_fixed[*component as usize] {
+                *state = BoundaryState::SlipsUp;
+            }
+        });
+        self.put_at_values(&next, y);
     }
 }

@@ -1,27 +1,26 @@
-//! Problem under laws `[0, limit]` by the states of its nodes.
+//! Problem under laws `[0, limit]` and `(-inf, 0]` by the states of its nodes.
 
 use crate::discrete::network::{Network, count_components};
 use crate::discrete::norms::largest;
 use crate::problem::balance::{Balance, ContactValue, place_at_zero};
 use crate::problem::law::{BoundaryState, ContactNode, Law};
-use std::cmp::Ordering;
 
 /// Natural residual over the largest load up to which a circle of states is one of rounding errors.
 const ROUNDING: f64 = 1e-11;
 
-/// Problem under laws `[0, limit]`, whose solution is known from the states of its nodes. Inner nodes count as
-/// slipping up, fixed nodes as sticking.
+/// Problem under laws `[0, limit]` and `(-inf, 0]`, whose solution is known from the states of its nodes. Inner nodes
+/// count as slipping up, fixed nodes as sticking.
 pub(crate) struct StateProblem<'a> {
     pub network: &'a Network,
     /// Connected component of each node.
     pub components: &'a [u32],
     pub load: &'a [f64],
-    /// Laws `[0, limit]` of the contact nodes.
+    /// Laws of the nodes with a law, in the order of the network.
     pub laws: &'a [Law],
 }
 
 impl StateProblem<'_> {
-    /// States with all contact nodes at zero.
+    /// States in which all contact nodes stick.
     pub(crate) fn all_stick(&self) -> Vec<BoundaryState> {
         let mut states = vec![BoundaryState::SlipsUp; self.load.len()];
         for contact in self.network.boundary() {
@@ -30,21 +29,33 @@ impl StateProblem<'_> {
         states
     }
 
-    /// Gives values of contact nodes that have the other sign than their states, by rounding errors, the value zero.
+    /// Gives values of contact nodes that are on the other side of their laws' than the states say, by rounding errors,
+    /// these values.
     pub(super) fn put_into_states(&self, states: &[BoundaryState], y: &mut [f64]) {
-        for contact in self.network.contact() {
+        for (contact, law) in self.network.contact().iter().zip(self.laws) {
             let value = &mut y[contact.node];
             *value = match states[contact.node] {
-                BoundaryState::SlipsDown => value.min(0.0),
-                _ => value.max(0.0),
+                BoundaryState::SlipsDown => value.min(law.at()),
+                _ => value.max(law.at()),
             };
         }
     }
 
-    /// Contact nodes with the largest flux through the boundary at each.
-    fn contact(&self) -> impl Iterator<Item = (&ContactNode, f64)> {
+    /// Gives nodes that stick the values of their laws.
+    pub(super) fn put_at_values(&self, states: &[BoundaryState], y: &mut [f64]) {
+        for (contact, law) in self.network.boundary().iter().zip(self.laws) {
+            if states[contact.node] == BoundaryState::Sticks {
+                y[contact.node] = law.at();
+            }
+        }
+    }
+
+    /// Contact nodes with their laws, and the ends of the flux through the boundary at each.
+    fn contact(&self) -> impl Iterator<Item = (&ContactNode, &Law, [f64; 2])> {
         let contact = self.network.contact().iter().zip(self.laws);
-        contact.map(|(contact, law)| (contact, contact.measure * law.hi()))
+        contact.map(|(contact, law)| {
+            (contact, law, [law.lo(), law.hi()].map(|end| contact.measure * end))
+        })
     }
 
     /// True if the solution with these states solves the problem but for rounding errors.
@@ -56,14 +67,16 @@ impl StateProblem<'_> {
         natural <= ROUNDING * largest(self.load)
     }
 
-    /// States by the signs of the values of a vector; contact nodes at zero stick.
+    /// States by the values of a vector; contact nodes at the values of their laws stick.
     pub(super) fn states_by_sign(&self, y: &[f64]) -> Vec<BoundaryState> {
         let mut states = self.all_stick();
-        for contact in self.network.contact() {
+        for (contact, law) in self.network.contact().iter().zip(self.laws) {
             let value = y[contact.node];
-            if value != 0.0 {
-                states[contact.node] =
-                    if value > 0.0 { BoundaryState::SlipsUp } else { BoundaryState::SlipsDown };
+            if value != law.at() {
+                states[contact.node] = match value > law.at() {
+                    true => BoundaryState::SlipsUp,
+                    false => BoundaryState::SlipsDown,
+                };
             }
         }
         states
@@ -72,7 +85,7 @@ impl StateProblem<'_> {
     /// Load with the flux of the nodes that slip down.
     pub(crate) fn load_with(&self, states: &[BoundaryState]) -> Vec<f64> {
         let mut load = self.load.to_vec();
-        for (contact, most) in self.contact() {
+        for (contact, _, [_, most]) in self.contact() {
             if states[contact.node] == BoundaryState::SlipsDown {
                 load[contact.node] += most;
             }
@@ -93,17 +106,17 @@ impl StateProblem<'_> {
         for contact in self.network.held() {
             next[contact.node] = BoundaryState::Sticks;
         }
-        for (contact, most) in self.contact() {
-            let node = contact.node;
+        for (contact, law, ends) in self.contact() {
+            let (node, [least, most]) = (contact.node, ends);
             let gradient = self.network.gradient_at(node, y, self.load);
             next[node] = match states[node] {
-                BoundaryState::Sticks if gradient < 0.0 => BoundaryState::SlipsUp,
+                BoundaryState::Sticks if gradient < least => BoundaryState::SlipsUp,
                 BoundaryState::Sticks if gradient > most => BoundaryState::SlipsDown,
-                BoundaryState::SlipsUp if y[node] >= 0.0 => BoundaryState::SlipsUp,
-                BoundaryState::SlipsDown if y[node] <= 0.0 => BoundaryState::SlipsDown,
+                BoundaryState::SlipsUp if y[node] >= law.at() => BoundaryState::SlipsUp,
+                BoundaryState::SlipsDown if y[node] <= law.at() => BoundaryState::SlipsDown,
                 _ => BoundaryState::Sticks,
             };
-            balances[self.components[node] as usize].see(next[node], most);
+            balances[self.components[node] as usize].see(next[node], ends);
         }
         for (component, (balance, needed)) in balances.iter().zip(self.needed()).enumerate() {
             if !has_fixed[component] && !balance.holds(needed) {
@@ -141,20 +154,17 @@ impl StateProblem<'_> {
         next: &mut [BoundaryState],
     ) -> f64 {
         let mut nodes: Vec<ContactValue> = Vec::new();
-        for (&ContactNode { node, .. }, most) in self.contact() {
+        for (&ContactNode { node, .. }, law, ends) in self.contact() {
             if self.components[node] as usize == component {
                 let multiplier = self.network.gradient_at(node, y, self.load);
-                nodes.push(ContactValue { number: node, most, value: y[node], multiplier });
+                let value = y[node] - law.at();
+                nodes.push(ContactValue { number: node, ends, value, multiplier });
             }
         }
-        let at = place_at_zero(&mut nodes, needed);
+        let zero = place_at_zero(&mut nodes, needed);
         for (place, node) in nodes.iter().enumerate() {
-            next[node.number] = match place.cmp(&at) {
-                Ordering::Less => BoundaryState::SlipsDown,
-                Ordering::Equal => BoundaryState::Sticks,
-                Ordering::Greater => BoundaryState::SlipsUp,
-            };
+            next[node.number] = node.state(place, zero);
         }
-        nodes[at].value
+        nodes[zero].value
     }
 }

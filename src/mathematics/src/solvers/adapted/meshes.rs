@@ -16,7 +16,7 @@ use crate::levels::{
 use crate::machine::threads::{among_threads, join, map};
 use crate::mesh::{
     Bisected, CellsBefore, MeshLoad, NestedMeshes, PlaneMesh, Sides, assemble_sides, bisect,
-    label_longest_edges, mesh_load, mesh_load_after,
+    check_meetings, label_longest_edges, mesh_load, mesh_load_after,
 };
 use crate::multigrid::active_set::active_set;
 use crate::multigrid::{Goal, InputError, MultigridParams};
@@ -104,6 +104,7 @@ impl<'a> Meshes<'a> {
     /// The first mesh.
     pub(super) fn new(adaption: &'a Adaption<'a>, ended: Watch<'a>) -> Result<Self, ProblemError> {
         let f = read(adaption.coarsest, adaption.f)?;
+        check_meetings(adaption.coarsest)?;
         let mut mesh = adaption.coarsest.clone();
         label_longest_edges(&mut mesh);
         let sides = Sides::new(&mesh);
@@ -144,7 +145,7 @@ impl<'a> Meshes<'a> {
     fn solved(&mut self) -> Result<Result<LocalBounds, NoBound>, ProblemError> {
         let network = &self.networks[self.networks.len() - 1].network;
         let found = components(network, &self.component_of, &self.load.load);
-        let rounding = ROUNDING * self.load.size;
+        let rounding = ROUNDING * (self.load.size + self.load.given);
         if let Err(reason) = found.iter().try_for_each(|of| of.check(rounding)) {
             return if self.is_coarse() { Ok(Err(reason.into())) } else { Err(reason.into()) };
         }

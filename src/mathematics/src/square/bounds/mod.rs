@@ -177,7 +177,8 @@ fn combined(n: usize, total: &Total, projection_distance: f64) -> Result<Bounds,
         return Err(NoBound::NotFinite);
     }
     let recovered = root(2.0 * (gap + 2.0 * rounding));
-    Ok(Bounds { energy: below_zero(energy), error, recovered: Some(recovered), curve: None })
+    let recovered = Some(recovered);
+    Ok(Bounds { energy: below_zero(energy), error, recovered, ..Bounds::NONE })
 }
 
 /// A nodal vector without the values on the boundary that the law forbids.

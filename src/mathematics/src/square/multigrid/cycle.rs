@@ -158,7 +158,7 @@ impl Multigrid {
                 false if level.value(node) < 0.0 => BoundaryState::SlipsDown,
                 false => BoundaryState::SlipsUp,
             };
-            balance.see(state, measure * law.hi());
+            balance.see(state, [0.0, measure * law.hi()]);
         }
         balance.holds(self.needed)
     }
@@ -172,8 +172,8 @@ impl Multigrid {
         let (level, law) = (&mut self.levels[l], Law::up_to(self.limit));
         let mut nodes = Vec::with_capacity(level.in_contact.len());
         for (number, contact) in contact_nodes(level.n, law).into_iter().enumerate() {
-            let (most, value) = (contact.measure * law.hi(), level.value(contact.node));
-            nodes.push(ContactValue { number, most, value, multiplier: 0.0 });
+            let (ends, value) = ([0.0, contact.measure * law.hi()], level.value(contact.node));
+            nodes.push(ContactValue { number, ends, value, multiplier: 0.0 });
         }
         let place = place_at_zero(&mut nodes, self.needed);
         let ContactValue { number: at, value: zero, .. } = nodes[place];

@@ -55,7 +55,7 @@ impl Multigrid {
         among_threads(self.finest().nodes, || {
             self.work_units = 0.0;
             let laws = LawSum::of(law, Grid::PERIMETER);
-            self.one_sided = OneSided::new(&laws, load)?;
+            self.one_sided = OneSided::new(&laws, load);
             let mut run =
                 SquareRun { grids: self, law, load, goal: params.goal, parts: PartRule::default() };
             driver::solve(&mut run, law.is_bounded(), params)
@@ -85,7 +85,7 @@ impl Multigrid {
 
     /// Sets the largest flux on all grids: none without limits.
     fn set_limit(&mut self, law: Law, has_limits: bool) {
-        let limit = if has_limits { law.one_sided().hi() } else { f64::INFINITY };
+        let limit = if has_limits { self.one_sided.law(law).hi() } else { f64::INFINITY };
         for level in &mut self.levels {
             level.limit = 2.0 / level.n as f64 * (limit / self.scale);
         }

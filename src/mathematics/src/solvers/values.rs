@@ -1,0 +1,335 @@
+//! Problems with values, gaps and fluxes: closed forms, brackets that contain them, and solvers that agree.
+
+use super::{Settings, Solver, solve};
+use crate::discrete::kkt::judge;
+use crate::discrete::network::Network;
+use crate::levels::{Problem, ProblemError};
+use crate::mesh::{AnyMesh, Facet, MeshData, MeshError, Part};
+use crate::multigrid::active_set::active_set;
+use crate::multilevel::solve_nested_networks;
+use crate::problem::law::{BoundaryState, Law};
+use crate::saddle::{self, Pair, Params, StopRule};
+
+/// Random numbers.
+struct Dice(u64);
+
+impl Dice {
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        low + (high - low) * ((self.0 >> 11) as f64 / (1_u64 << 53) as f64)
+    }
+
+    /// Law of one of eight kinds.
+    fn law(&mut self) -> Law {
+        let [at, flux, bound] =
+            [self.between(-1.0, 1.0), self.between(-1.0, 1.0), self.between(0.1, 2.0)];
+        let law = match self.between(0.0, 8.0) as usize {
+            0 => Law::fixed(at),
+            1 => Law::free(flux),
+            2 => Law::above(at, 0.0),
+            3 => Law::above(at, flux),
+            4 => Law::below(at, flux),
+            5 => Law::friction(bound).and_then(|law| law.with_at(at)),
+            6 => Law::limited(bound).and_then(|law| law.with_at(at)),
+            _ => Law::new(flux, flux + bound).and_then(|law| law.with_at(at)),
+        };
+        law.unwrap()
+    }
+}
+
+/// Rectangle `[0, length] x [0, height]` of `columns` times `rows` cells, each cut by the rising diagonal, with the
+/// laws of the parts left, right, bottom and top.
+fn rectangle([length, height]: [f64; 2], [columns, rows]: [u32; 2], laws: [Law; 4]) -> AnyMesh {
+    let mut data = MeshData::default();
+    for (j, i) in (0..=rows).flat_map(|j| (0..=columns).map(move |i| (j, i))) {
+        let [x, y] = [(i, columns), (j, rows)].map(|(k, n)| f64::from(k) / f64::from(n));
+        data.points.push([length * x, height * y]);
+        let node = j * (columns + 1) + i;
+        let above = node + columns + 1;
+        if i < columns && j < rows {
+            data.cells.extend([[node, node + 1, above + 1], [node, above + 1, above]]);
+        }
+        let mut add = |is_there: bool, nodes, part| {
+            if is_there {
+                data.facets.push(Facet { nodes, part });
+            }
+        };
+        add(j < rows && i == 0, [node, above], 0);
+        add(j < rows && i == columns, [node, above], 1);
+        add(i < columns && j == 0, [node, node + 1], 2);
+        add(i < columns && j == rows, [node, node + 1], 3);
+    }
+    let parts = ["left", "right", "bottom", "top"].into_iter().zip(laws);
+    data.parts = parts.map(|(name, law)| Part { names: name.into(), law, curve: None }).collect();
+    AnyMesh::Plane(data.mesh().unwrap())
+}
+
+/// `-v'' = f` on an interval from 0, with laws at its ends.
+#[derive(Clone, Copy, Debug)]
+struct Strip {
+    f: f64,
+    length: f64,
+    laws: [Law; 2],
+}
+
+/// Height of the rectangle that stands for a strip.
+const HEIGHT: f64 = 0.25;
+
+impl Strip {
+    /// Values and fluxes that an end may have: v or the flux is given, and v is on a side of the law's value.
+    fn states(law: Law) -> Vec<(Option<f64>, f64)> {
+        let mut states = Vec::new();
+        if !law.is_free() {
+            states.push((None, 0.0));
+        }
+        for (flux, side) in [(law.lo(), 1.0), (law.hi(), -1.0)] {
+            if flux.is_finite() {
+                states.push((Some(flux), side));
+            }
+        }
+        states
+    }
+
+    /// Values of v at the ends, energy, and norm of the gradient, in closed form.
+    fn solution(self) -> Option<([f64; 2], f64, f64)> {
+        let Self { f, length, laws } = self;
+        for (one, side) in Self::states(laws[0]) {
+            for (two, other_side) in Self::states(laws[1]) {
+                // v(x) = v(0) - l x - f x^2 / 2, where l is the flux at 0.
+                let rise = |l: f64| -l * length - 0.5 * f * length * length;
+                let [at, other_at] = laws.map(Law::at);
+                let (l, v) = match (one, two) {
+                    (None, None) => ((at - other_at) / length - 0.5 * f * length, at),
+                    (Some(l), None) => (l, other_at - rise(l)),
+                    (None, Some(other)) => (-f * length - other, at),
+                    (Some(_), Some(_)) => continue,
+                };
+                let (fluxes, values) = ([l, -f * length - l], [v, v + rise(l)]);
+                let is_lawful = |k: usize, side: f64| {
+                    let [lo, hi] = laws[k].room(fluxes[k]);
+                    let from = side * (values[k] - laws[k].at());
+                    (lo >= 0.0 && hi >= 0.0 || side != 0.0) && (from >= 0.0 || laws[k].is_free())
+                };
+                if is_lawful(0, side) && is_lawful(1, other_side) {
+                    let slopes =
+                        l * l * length + l * f * length.powi(2) + f * f * length.powi(3) / 3.0;
+                    let integral = v * length - 0.5 * l * length.powi(2) - f * length.powi(3) / 6.0;
+                    let of_laws = laws[0].potential(values[0]) + laws[1].potential(values[1]);
+                    let energy = HEIGHT * (0.5 * slopes - f * integral + of_laws);
+                    return Some((values, energy, (HEIGHT * slopes).sqrt()));
+                }
+            }
+        }
+        None
+    }
+
+    fn problem(self, times: usize) -> Result<Problem, ProblemError> {
+        let laws = [self.laws[0], self.laws[1], Law::FREE, Law::FREE];
+        let mesh = rectangle([self.length, HEIGHT], [4, 1], laws);
+        Problem::on_mesh(&mesh, times, &format!("else={}", self.f))
+    }
+}
+
+/// Mean over a vertical line of nodes.
+fn mean_at(problem: &Problem, y: &[f64], x: f64) -> f64 {
+    let mesh = problem.levels().mesh(problem.finest());
+    let nodes = mesh.plane().unwrap().points().iter().zip(y).filter(|(point, _)| point[0] == x);
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for (point, value) in nodes {
+        let weight = if [0.0, HEIGHT].contains(&point[1]) { 0.5 } else { 1.0 };
+        sum += weight * value;
+        weights += weight;
+    }
+    sum / weights
+}
+
+fn has_one_state_on_each_end(problem: &Problem, y: &[f64]) -> bool {
+    let mesh = problem.levels().mesh(problem.finest());
+    let (points, judged) = (mesh.plane().unwrap().points(), problem.judge(y));
+    let nodes = judged.contact.iter().zip(&judged.states);
+    let mut ends = [Vec::new(), Vec::new()];
+    nodes.for_each(|(of, state)| ends[usize::from(points[of.node][0] > 0.0)].push(*state));
+    ends.iter().all(|states| states.windows(2).all(|two| two[0] == two[1]))
+}
+
+fn solution(problem: &Problem, solver: Solver) -> Vec<f64> {
+    solve(problem, &Settings::of(solver)).unwrap().y
+}
+
+#[test]
+fn strips_have_the_values_and_the_energies_of_the_closed_form() {
+    let mut dice = Dice(5);
+    let (mut seen, mut slips, mut even) = (0, 0, 0);
+    while seen < 100 {
+        let laws = [dice.law(), dice.law()];
+        let strip = Strip { f: dice.between(-2.0, 2.0), length: dice.between(0.5, 2.0), laws };
+        let Some((ends, energy, norm)) = strip.solution() else {
+            assert!(matches!(strip.problem(0), Err(ProblemError::Unsolvable(_))), "{strip:?}");
+            continue;
+        };
+        seen += 1;
+        let mut widths = Vec::new();
+        for times in [1, 3] {
+            let problem = strip.problem(times).unwrap();
+            for solver in [Solver::ActiveSet, Solver::Multigrid] {
+                let y = solution(&problem, solver);
+                // On these cells the means over columns of nodes are values of v, if all nodes of an end have one
+                // state.
+                let means = [0.0, strip.length].map(|x| mean_at(&problem, &y, x));
+                let off = means.iter().zip(ends).map(|(y, v)| (y - v).abs()).fold(0.0, f64::max);
+                let is_even = has_one_state_on_each_end(&problem, &y);
+                let allowed = if is_even { 1e-10 } else { problem.levels().facts().width.powi(2) };
+                assert!(off < allowed, "{strip:?} {solver:?} {times}: {means:?} {ends:?}");
+                even += usize::from(is_even);
+                let disturbed = y.iter().map(|value| value + dice.between(-0.1, 0.1)).collect();
+                let [of_disturbed, bounds] = [disturbed, y].map(|y| problem.bounds(&y).unwrap());
+                for bounds in [&of_disturbed, &bounds] {
+                    let [low, high] = bounds.energy;
+                    assert!(low <= energy && energy <= high, "{strip:?}: {energy} {bounds:?}");
+                    assert!(
+                        bounds.gradient.is_none_or(|least| least <= norm),
+                        "{strip:?}: {norm} {bounds:?}"
+                    );
+                }
+                widths.push(bounds.energy[1] - bounds.energy[0]);
+            }
+            let judged = problem.judge(&solution(&problem, Solver::ActiveSet));
+            slips += usize::from(judged.states.contains(&BoundaryState::SlipsDown));
+        }
+        let shrinks = widths[2] < widths[0] / 12.0 || widths[0] < 1e-9;
+        assert!(shrinks, "{strip:?}: {widths:?}");
+    }
+    assert!(slips > 10 && even > 200, "{slips} {even}");
+}
+
+/// Difference of two vectors over the size of the values of both.
+fn apart(one: &[f64], two: &[f64]) -> f64 {
+    let size = one.iter().chain(two).fold(1.0f64, |most, value| most.max(value.abs()));
+    one.iter().zip(two).fold(0.0f64, |most, (a, b)| most.max((a - b).abs())) / size
+}
+
+/// Solution by the problem for `y - G`, G with the values of the laws on the boundary and zero elsewhere, whose laws
+/// have the value 0; and its energy, of the problem as given.
+fn by_lift(network: &Network, load: &[f64]) -> (Vec<f64>, f64) {
+    let mut lift = vec![0.0; load.len()];
+    let laws: Vec<_> = network.boundary().iter().map(|of| of.law.with_at(0.0).unwrap()).collect();
+    network.boundary().iter().for_each(|of| lift[of.node] = of.law.at());
+    let mut left = vec![0.0; load.len()];
+    network.gradient(&lift, load, &mut left);
+    left.iter_mut().for_each(|value| *value = -*value);
+    let network_of_rest = network.with_laws(&laws);
+    let (rest, _) = active_set(&network_of_rest, &left, None).unwrap();
+    let energy = judge(&network_of_rest, &rest, &left).energy + network.energy(&lift, load);
+    (rest.iter().zip(&lift).map(|(rest, lift)| rest + lift).collect(), energy)
+}
+
+/// Values by the paper's method.
+fn by_saddle_point(network: &Network, load: &[f64]) -> Vec<f64> {
+    let mut pair = Pair { y: vec![0.0; load.len()], a: vec![0.0; network.contact().len()] };
+    let params = Params {
+        r: 10.0,
+        tolerance: 1e-13,
+        rule: StopRule::PrintedDual,
+        max_iterations: 200_000,
+        ..Params::default()
+    };
+    let outcome = saddle::solve(network, load, &params, &mut pair);
+    assert!(outcome.end.has_converged(), "{:?}", outcome.end);
+    pair.y
+}
+
+#[test]
+fn solvers_agree_on_squares_with_a_law_on_each_side() {
+    let mut dice = Dice(7);
+    let (mut seen, mut refused) = (0, 0);
+    while seen < 60 {
+        let laws = [0; 4].map(|_| dice.law());
+        let mesh = rectangle([1.0, 1.0], [2, 2], laws);
+        let [low, high] = [0; 2].map(|_| dice.between(-6.0, 6.0));
+        let f = format!("halfplane(1,0.5,{})={low}; else={high}", dice.between(0.2, 1.0));
+        let problem = match Problem::on_mesh(&mesh, 2, &f) {
+            Ok(problem) => problem,
+            Err(ProblemError::Mesh(MeshError::Meeting { .. }) | ProblemError::Unsolvable(_)) => {
+                refused += 1;
+                continue;
+            }
+            Err(error) => panic!("{error}"),
+        };
+        seen += 1;
+        let networks = problem.networks().unwrap();
+        let (network, load) = (&networks[2].network, problem.load());
+        let (y, end) = active_set(network, load, None).unwrap();
+        let judged = judge(network, &y, load);
+        assert!(judged.kkt.relative < 1e-11, "{laws:?} {f}: {end:?} {:?}", judged.kkt);
+        let (by_multigrid, end) =
+            solve_nested_networks(networks, load, &Default::default()).unwrap();
+        assert!(apart(&y, &by_multigrid) < 1e-9, "{laws:?} {f}: {end:?}");
+        assert!(apart(&y, &by_saddle_point(network, load)) < 1e-9, "{laws:?} {f}");
+        let (lifted, energy) = by_lift(network, load);
+        assert!(apart(&y, &lifted) < 1e-9, "{laws:?} {f}");
+        assert!((energy - judged.energy).abs() < 1e-11 * (1.0 + energy.abs()), "{laws:?} {f}");
+        // Brackets of all vectors and meshes contain the same number.
+        let finer = Problem::on_mesh(&mesh, 4, &f).unwrap();
+        let best = finer.bounds(&solution(&finer, Solver::Multigrid)).unwrap();
+        let disturbed: Vec<_> = y.iter().map(|value| value + dice.between(-0.01, 0.01)).collect();
+        for vector in [&y, &disturbed] {
+            let found = problem.bounds(vector).unwrap();
+            let overlap = found.energy[0] <= best.energy[1] && best.energy[0] <= found.energy[1];
+            assert!(overlap, "{laws:?} {f}: {found:?} {best:?}");
+            assert!(found.error[0] <= found.error[1], "{laws:?} {f}: {found:?}");
+        }
+    }
+    assert!(refused > 10, "{refused}");
+}
+
+#[test]
+fn a_ring_with_a_value_inside_has_the_energy_of_its_closed_form() {
+    // f = -4 on 1/2 < r < 1, v = 1 inside, v >= 1/4 outside: v = r^2 + a log r + b with dv/dr = 0 at r = 1.
+    let (energy, outside) = (7.193_968_447_583_92, 0.363_705_638_880_11);
+    let mut ring = AnyMesh::built_in("annulus").unwrap();
+    ring.set_law("inner", Law::fixed(1.0).unwrap()).unwrap();
+    ring.set_law("outer", Law::above(0.25, 0.0).unwrap()).unwrap();
+    let mut off = Vec::new();
+    for times in [3, 4, 5] {
+        let problem = Problem::on_mesh(&ring, times, "else=-4").unwrap();
+        let y = solution(&problem, Solver::Multigrid);
+        let judged = problem.judge(&y);
+        assert_eq!(judged.state_counts().sticks, 0);
+        let value =
+            judged.contact.iter().map(|of| y[of.node]).sum::<f64>() / judged.contact.len() as f64;
+        let bounds = problem.bounds(&y).unwrap();
+        let estimated = bounds.curve.unwrap();
+        let [low, high] = bounds.energy;
+        assert!(low - estimated <= energy && energy <= high + estimated, "{bounds:?}");
+        off.push([(judged.energy - energy).abs(), (value - outside).abs(), high - low]);
+    }
+    for [coarse, fine] in [[0, 1], [1, 2]].map(|pair| pair.map(|k| off[k])) {
+        for (coarse, fine) in coarse.iter().zip(fine) {
+            assert!(fine < coarse / 3.0, "{off:?}");
+        }
+    }
+}
+
+#[test]
+fn laws_of_parts_that_meet_are_refused_where_no_function_has_both() {
+    let refused =
+        |laws: [Law; 4]| Problem::on_mesh(&rectangle([1.0; 2], [1; 2], laws), 0, "else=-1").err();
+    let [fixed, high] = [0.0, 1.0].map(|value| Law::fixed(value).unwrap());
+    let above = Law::above(0.5, 0.0).unwrap();
+    let message = |laws| refused(laws).map(|error| error.to_string());
+    let found = message([fixed, Law::FREE, above, Law::FREE]).unwrap();
+    assert_eq!(
+        found,
+        "left, where v = 0, meets bottom, where v >= 0.5, at (0, 0): v cannot stick at both values there; make them \
+         equal, or leave a free part between the two"
+    );
+    let found = message([fixed, Law::FREE, Law::FREE, high]).unwrap();
+    assert!(found.starts_with("left, where v = 0, meets top, where v = 1, at (0, 1)"), "{found}");
+    assert_eq!(message([high, Law::FREE, above, Law::FREE]), None);
+    let friction = Law::friction(0.3).unwrap();
+    assert!(message([friction, Law::FREE, above, Law::FREE]).is_some());
+    // Values that differ by rounding errors are the same.
+    let nearly = Law::above(1.0 + 1e-15, 0.0).unwrap();
+    assert_eq!(message([high, Law::FREE, nearly, Law::FREE]), None);
+}
