@@ -4,6 +4,7 @@
 use super::grid::Grid;
 use super::load_stats::LoadStats;
 use super::network::{Network, count_components};
+use crate::machine::simd::Largest;
 use crate::problem::law::{ContactNode, Law};
 use crate::problem::unsolvable::Component;
 use std::borrow::Cow;
@@ -64,6 +65,21 @@ impl<'a> DiscreteDomain<'a> {
         match self {
             Self::Grid(..) => false,
             Self::Network(network) => !network.held().is_empty(),
+        }
+    }
+
+    /// Number beside which residuals are small or not: the largest component of the load vector; without a load, the
+    /// largest product of a value at which y sticks with the diagonal of A.
+    pub(crate) fn unit(self, load: &[f64]) -> f64 {
+        let mut largest = Largest::default();
+        largest.see(1.0, load);
+        match (largest.value(), self) {
+            (0.0, Self::Network(network)) => {
+                let boundary = network.boundary().iter();
+                let products = boundary.map(|of| (network.diagonal()[of.node] * of.law.at()).abs());
+                products.fold(0.0, f64::max)
+            }
+            (load, _) => load,
         }
     }
 

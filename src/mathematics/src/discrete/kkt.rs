@@ -26,8 +26,7 @@ pub struct Kkt {
     pub complementarity: f64,
     /// `max(stationarity, complementarity)`, the natural residual: zero at the solution only.
     pub natural: f64,
-    /// `natural` over `|F|_inf`, without a load over the largest product of y with the diagonal of A; invariant under
-    /// scaling of all data.
+    /// `natural` over the [unit](DiscreteDomain::unit) of the load; invariant under scaling of all data.
     pub relative: f64,
 }
 
@@ -180,15 +179,9 @@ pub fn judge<'a>(domain: impl Into<DiscreteDomain<'a>>, y: &[f64], load: &[f64])
         contact.law.state(y[contact.node], *flux, contact.measure, rounding)
     };
     let states = flux.iter().zip(&contact).map(of_node).collect();
-    let mut scale = Largest::default();
-    scale.see(1.0, load);
     let [stationarity, complementarity] = [stationarity, complementarity].map(Largest::value);
     let natural = max_or_nan(stationarity, complementarity);
-    let unit = match (scale.value(), domain) {
-        (0.0, DiscreteDomain::Network(network)) => network.largest_product(y),
-        (load, _) => load,
-    };
-    let relative = if natural == 0.0 { 0.0 } else { natural / unit };
+    let relative = if natural == 0.0 { 0.0 } else { natural / domain.unit(load) };
     let kkt = Kkt { stationarity, min_y, min_lambda, complementarity, natural, relative };
     Judgement { kkt, energy, of_values, contact, flux, work, states, rounding, range: range(y) }
 }

@@ -10,7 +10,7 @@ use crate::discrete::end::End;
 use crate::discrete::grid::Grid;
 use crate::problem::law::Law;
 use crate::saddle::batch::{LANES, Lanes, V};
-use crate::saddle::{Engine, Goals, Method, Pair, RunStart, RunState, run};
+use crate::saddle::{Engine, Goals, Method, Pair, RunState, run};
 use crate::square::load::load;
 use std::ops::{Add, Mul};
 use std::sync::Arc;
@@ -116,9 +116,7 @@ impl<'a> Evaluator<'a> {
         judge: impl FnMut(&mut Lanes, usize, [bool; LANES]) -> [bool; LANES],
     ) -> [Option<End>; LANES] {
         let time = self.variant.residual;
-        let start =
-            RunStart { load: &[], method: Method::ArrowHurwicz, r: 1.0, pair: &Pair::default() };
-        let runs = limits.map(|limit| Some(RunState::new(&start, limit?)));
+        let runs = limits.map(|limit| Some(RunState::new(Method::ArrowHurwicz, 0.0, limit?)));
         let (over, ends) = ([false; LANES], [None; LANES]);
         let mut judged = JudgedLanes { time, judge, number: 0, over, pairs, ends };
         run(&mut self.lanes[level], runs, &mut judged);

@@ -198,6 +198,11 @@ impl Problem {
         self.levels.finest_load()
     }
 
+    /// Number beside which residuals on the finest level are small or not; see [`DiscreteDomain::unit`].
+    pub(crate) fn unit(&self) -> f64 {
+        self.domain(self.finest()).unit(self.load())
+    }
+
     /// Load vectors of all levels, coarsest first.
     ///
     /// # Errors

@@ -185,8 +185,6 @@ pub(super) struct NestedProblem<'a> {
     pub(super) scale: f64,
     /// Way from the problem as given to this one.
     pub(super) one_sided: OneSided,
-    /// Energy of the problem as given less that of this one, divided by the square of the factor.
-    pub(super) energy: f64,
 }
 
 impl NestedProblem<'_> {

@@ -216,7 +216,7 @@ impl Hierarchy for NetworkRun<'_> {
     }
 
     fn gains_little(&mut self, distance: f64) -> bool {
-        let left = distance + (self.fine().energy() + self.nested.energy);
+        let left = distance + self.fine().energy();
         self.lowered <= LEAST_GAIN * left
     }
 

@@ -120,7 +120,6 @@ fn solve_on(
     let one_sided = OneSided::new(&laws, load);
     let shifted = one_sided.load(load, finest.contact());
     let scale = LoadStats::measure(&shifted).scale();
-    let energy = one_sided.energy(finest.contact()) / scale / scale;
     let mesh = levels.network(levels.coarsest_mesh);
     let mut values = vec![0.0; mesh.nodes()];
     for ContactNode { node, law, .. } in mesh.held() {
@@ -128,7 +127,7 @@ fn solve_on(
     }
     let load = shifted.iter().map(|value| value / scale).collect();
     let loads = levels.restricted(load, &values);
-    let nested = NestedProblem { levels, loads, components, scale, one_sided, energy };
+    let nested = NestedProblem { levels, loads, components, scale, one_sided };
     let mut run = NetworkRun::new(&nested);
     let factor = one_sided.signed(1.0) / scale;
     let scaled = |y: &[f64]| y.iter().map(|value| factor * value).collect::<Vec<f64>>();

@@ -171,15 +171,6 @@ impl OneSided {
         shifted
     }
 
-    /// Energy of the problem less that of the other problem.
-    pub(crate) fn energy(self, contact: &[ContactNode]) -> f64 {
-        let of_node = |&ContactNode { measure, law, .. }: &ContactNode| {
-            let (law, end) = self.turned(law);
-            measure * end * law.at
-        };
-        contact.iter().map(of_node).sum()
-    }
-
     /// Value of the problem as given for one of the other problem, or the other way round.
     pub(crate) fn signed(self, value: f64) -> f64 {
         if self.is_reflected { -value } else { value }

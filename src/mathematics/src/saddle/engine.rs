@@ -8,7 +8,6 @@ use super::Pair;
 use super::method::Method;
 use super::stopping::{GradientMeasure, RoundingFloor, SWEEPS_TO_FLOOR};
 use crate::discrete::end::{End, Stop};
-use crate::discrete::norms::largest;
 use std::array::from_fn;
 use std::borrow::Cow;
 
@@ -57,7 +56,7 @@ pub(crate) struct RunState {
     method: Method,
     /// Sweeps after which the run ends, at the earliest after the first.
     limit: usize,
-    /// Largest component of F.
+    /// [Unit](crate::discrete::domain::DiscreteDomain::unit) of F.
     pub(super) load: f64,
     /// Bound on the gradient of the inner problem; `None` if one sweep is enough.
     inner: Option<f64>,
@@ -85,9 +84,9 @@ pub(crate) trait Goals<E, const K: usize> {
 }
 
 impl RunState {
-    /// State before the first sweep of a run that ends after `limit` sweeps.
-    pub(crate) fn new(&RunStart { method, load, .. }: &RunStart<'_>, limit: usize) -> Self {
-        let load = largest(load);
+    /// State before the first sweep of a run of a method that ends after `limit` sweeps, with the
+    /// [unit](crate::discrete::domain::DiscreteDomain::unit) of its load.
+    pub(crate) fn new(method: Method, load: f64, limit: usize) -> Self {
         Self {
             method,
             limit,

@@ -4,7 +4,6 @@ use super::Pair;
 use super::solve::{AskedRun, Iteration, Params, solve_together};
 use crate::discrete::end::{Outcome, Stop};
 use crate::discrete::nested::DiscreteLevels;
-use crate::discrete::norms::largest;
 use crate::discrete::transfer::{Prolongation, prolong, prolong_boundary};
 
 /// Returns the paper's tolerance on its `level`-th grid, counted from 1: `10^-level`.
@@ -65,8 +64,8 @@ impl NestedRun<'_> {
     /// Parameters on the k-th level, counted from 0: the tolerance is [`tolerance`]`(k + 1)`, the inner bound of
     /// Uzawa's method a tenth of this, or of the KKT residual that ends the run; where that is a tiny part of the load,
     /// minimisations are loose.
-    fn params_on(&self, k: usize) -> Params {
-        let (tolerance, load) = (tolerance(k + 1), largest(&self.loads[k]));
+    fn params_on(&self, levels: DiscreteLevels<'_>, k: usize) -> Params {
+        let (tolerance, load) = (tolerance(k + 1), levels.level(k).unit(&self.loads[k]));
         let bound = self.params.kkt.map_or(tolerance, |kkt| kkt * load);
         let method = self.params.method.with_inner(0.1 * bound).above(EXACT * load);
         Params { method, tolerance, ..self.params }
@@ -110,7 +109,7 @@ pub fn solve_nested_together(
         }
         let on_level = going.iter().map(|&number| AskedRun {
             load: &runs[number].loads[k],
-            params: runs[number].params_on(k),
+            params: runs[number].params_on(levels, k),
             start: &found[number].1,
             has_history: monitors[number].has_history(),
         });

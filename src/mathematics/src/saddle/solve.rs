@@ -208,7 +208,8 @@ impl<E: Engine<K>, const K: usize> LaneGoals<'_, E, K> {
         self.lanes[lane] = self.next;
         self.next += 1;
         (self.enter)(engine, lane, &run.start());
-        Some(RunState::new(&run.start(), run.params.max_iterations))
+        let unit = self.domain.unit(run.load);
+        Some(RunState::new(run.params.method, unit, run.params.max_iterations))
     }
 
     /// Notes the iteration of each run whose history is wanted.

@@ -6,7 +6,6 @@ use crate::discrete::end::{End, Outcome, Stop};
 use crate::discrete::kkt::Judgement;
 use crate::discrete::nested::DiscreteLevels;
 use crate::discrete::network::Network;
-use crate::discrete::norms::largest;
 use crate::levels::{Problem, ProblemError, read};
 use crate::mesh::PlaneMesh;
 use crate::multigrid::active_set::active_set as solve_by_states;
@@ -217,7 +216,7 @@ fn nested_run<'a>(
     let usual = Params::default();
     let method = solver.entry().method.unwrap_or(usual.method);
     let kkt = match goal {
-        Goal::Kkt(bound) => Some(bound / largest(problem.load())),
+        Goal::Kkt(bound) => Some(bound / problem.unit()),
         _ => None,
     };
     let params = Params { method, r, rule: stop, kkt, max_iterations, prolongation, ..usual };

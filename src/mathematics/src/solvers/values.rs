@@ -5,6 +5,7 @@ use crate::discrete::kkt::judge;
 use crate::discrete::network::Network;
 use crate::levels::{Problem, ProblemError};
 use crate::mesh::{AnyMesh, Facet, MeshData, MeshError, Part};
+use crate::multigrid::Goal;
 use crate::multigrid::active_set::active_set;
 use crate::multilevel::solve_nested_networks;
 use crate::problem::law::{BoundaryState, Law};
@@ -281,6 +282,21 @@ fn solvers_agree_on_squares_with_a_law_on_each_side() {
         }
     }
     assert!(refused > 10, "{refused}");
+}
+
+#[test]
+fn values_without_a_load_are_solved_to_a_part_of_their_size() {
+    // v = 1e-3 - 1e-4 x: no load tells of its size.
+    let friction = Law::friction(1e-4).unwrap();
+    let laws = [Law::fixed(1e-3).unwrap(), friction, Law::FREE, Law::FREE];
+    let problem = Problem::on_mesh(&rectangle([1.0; 2], [2, 2], laws), 2, "else=0").unwrap();
+    let goal = Goal::Kkt(1e-8 * problem.unit());
+    for solver in [Solver::ActiveSet, Solver::Multigrid, Solver::Uzawa] {
+        let run = solve(&problem, &Settings { goal, ..Settings::of(solver) }).unwrap();
+        let end = run.ends.last().unwrap();
+        assert!(end.kkt.relative <= 1e-8 && !end.verdict().is_failure(), "{solver:?}: {end:?}");
+        assert!((mean_at(&problem, &run.y, 1.0) - 9e-4).abs() < 1e-9, "{solver:?}");
+    }
 }
 
 #[test]

@@ -22,7 +22,6 @@ use fineness::{FIRST_CELLS, USUAL_NODES};
 use crate::bounds::Accuracy;
 use crate::discrete::grid::{Grid, nested};
 use crate::discrete::load::{Diagonal, LoadRule};
-use crate::discrete::norms::largest;
 use crate::levels::{Problem, ProblemError, Step, Watch};
 use crate::mesh::AnyMesh;
 use crate::multigrid::Goal;
@@ -321,7 +320,7 @@ impl Statement {
             (Some(Accuracy::Error(_)), _) => Goal::DiscretisationError,
             // The bracket of the energy is much narrower than the error.
             (Some(Accuracy::Energy(_)), _) | (None, None) => Goal::RoundingFloor,
-            (None, Some(tolerance)) => Goal::Kkt(tolerance * largest(problem.load())),
+            (None, Some(tolerance)) => Goal::Kkt(tolerance * problem.unit()),
         };
         Settings { solver: self.solver, saddle: self.saddle.unwrap_or_default(), goal }
     }

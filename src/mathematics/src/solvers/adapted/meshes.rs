@@ -5,11 +5,11 @@ use crate::bounds::triangulation::{
     BoundedProblem, LocalBounds, curve_shares, is_in_stretched_cells,
 };
 use crate::bounds::{Bounds, NoBound};
+use crate::discrete::domain::DiscreteDomain;
 use crate::discrete::domain::components;
 use crate::discrete::end::{End, Outcome, Stop};
 use crate::discrete::kkt::{Judgement, judge};
 use crate::discrete::nested::NestedNetwork;
-use crate::discrete::norms::largest;
 use crate::levels::{
     Problem, ProblemError, ROUNDING, Step, Triangulations, VectorErrors, Watch, check_missed, read,
 };
@@ -151,7 +151,8 @@ impl<'a> Meshes<'a> {
         }
         let has_solution = found.iter().all(|of| of.check(0.0).is_ok());
         let tolerance = if self.is_slow || self.is_stretched { SLOW_TOLERANCE } else { TOLERANCE };
-        let goal = Goal::Kkt(tolerance * largest(&self.load.load));
+        let unit = DiscreteDomain::from(network).unit(&self.load.load);
+        let goal = Goal::Kkt(tolerance * unit);
         let usual = MultigridParams::default();
         let max_cycles = if has_factors(2, self.nodes()) { MOST_STEPS } else { usual.max_cycles };
         let params = MultigridParams { goal, least_cycles: STEPS, max_cycles };
