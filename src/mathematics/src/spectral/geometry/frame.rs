@@ -126,14 +126,26 @@ impl Frame {
     }
 }
 
-/// Power of two next to a positive number.
+/// Power of two next to a positive number, the larger one of two that are as near but for rounding.
 fn power_of_two(size: f64) -> f64 {
-    libm::exp2(libm::log2(size).round())
+    const OFF: f64 = 1e-9;
+    libm::exp2((libm::log2(size) + OFF).round())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_two_powers_of_two_that_are_as_near_the_larger_counts() {
+        let between = 2.0_f64.sqrt();
+        for (size, unit) in [(1.0, 1.0), (0.7, 0.5), (1.4, 1.0), (1.5, 2.0), (5e-324, 5e-324)] {
+            assert_eq!(power_of_two(size), unit, "{size}");
+        }
+        for places in [-4.0, 0.0, 4.0] {
+            assert_eq!(power_of_two(between * (1.0 + places * f64::EPSILON)), 2.0, "{places}");
+        }
+    }
 
     #[test]
     fn centres_that_lose_digits_are_refused() {
