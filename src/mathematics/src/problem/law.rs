@@ -314,6 +314,11 @@ impl Law {
         Ok(Self { at: if self.is_free() { 0.0 } else { at }, ..self })
     }
 
+    /// The law in units of v and of dv/dn.
+    pub(crate) fn in_units(self, value: f64, flux: f64) -> Self {
+        Self { at: self.at / value, lo: self.lo / flux, hi: self.hi / flux }
+    }
+
     /// Value that v has unless the flux is at an end of the interval; 0 on a free part, where v takes any value.
     pub fn at(self) -> f64 {
         self.at

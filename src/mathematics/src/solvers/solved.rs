@@ -283,7 +283,9 @@ impl Solved {
 impl TrueSolution {
     /// Bounds that follow from those of the energy, or the reason for which there are none.
     pub(crate) fn bounds(&self) -> Result<Bounds, NoBound> {
-        self.bracket.map(Bounds::of_energy).map_err(|step| NoBound::Unproved { step })
+        let Self { bracket, gradient, .. } = *self;
+        let bounds = bracket.map(|ends| Bounds { gradient, ..Bounds::of_energy(ends) });
+        bounds.map_err(|step| NoBound::Unproved { step })
     }
 }
 

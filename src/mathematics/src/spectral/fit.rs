@@ -2,7 +2,7 @@
 //!
 //! With the outer normal n to the right of the walk, `d/dn Re g = d/ds Im g`, so that
 //! ```text
-//! where v = 0:          Re g = -psi,
+//! where v = at:         Re g = at - psi,
 //! where dv/dn = q:      Im g - C = -int (psi_n - q) ds     from the start of a run, C one unknown each.
 //! ```
 
@@ -32,7 +32,8 @@ pub(in crate::spectral) struct Fit {
     pub rows: usize,
 }
 
-/// Right-hand sides at spots in walking order: -psi where v = 0, and the integral of the flux elsewhere.
+/// Right-hand sides at spots in walking order: the value of the law less psi where v has it, and the integral of the
+/// flux elsewhere.
 pub(in crate::spectral) fn conditions(setup: &Setup, walk: &Walk, spots: &[Spot]) -> Vec<f64> {
     let rule = gauss(5);
     let mut points = Vec::new();
@@ -64,7 +65,8 @@ pub(in crate::spectral) fn conditions(setup: &Setup, walk: &Walk, spots: &[Spot]
     let mut values = Vec::with_capacity(spots.len());
     for (k, spot) in spots.iter().enumerate() {
         if is_held(spot) {
-            values.push(-held.next().expect("a value for each such spot"));
+            let psi = held.next().expect("a value for each such spot");
+            values.push(-(psi - walk.intervals[spot.interval].law.at()));
             continue;
         }
         if between[k].is_empty() {

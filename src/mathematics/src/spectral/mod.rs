@@ -1,4 +1,4 @@
-//! True solution on any domain of the plane with straight and circular sides, holes, and parts that are fixed or free.
+//! True solution on any domain of the plane with straight and circular sides, holes, and a law on each part.
 //!
 //! # Method
 //! `v = psi + Re g`. psi is a particular solution in closed form (`source::psi`), so that `-Lap v = f` holds exactly; g
@@ -7,7 +7,7 @@
 //! ladder of lengths; logarithms at the mirror images of what is singular in psi; powers and a logarithm for each hole;
 //! poles behind the sides of slots; polynomials. They are fitted to both boundary conditions by least squares (`fit`):
 //! ```text
-//! where v = 0:          Re g = -psi,
+//! where v = at:         Re g = at - psi,
 //! where dv/dn = q:      Im g - C = -int (psi_n - q) ds,    C one unknown for each run of such sides.
 //! ```
 //! That is the exact form of the singularities, so the error falls exponentially with the number of functions: ten to

@@ -2,8 +2,8 @@
 
 use crate::mesh::{PlaneMesh, boundary_curves};
 use crate::problem::exact::{Exact, Known};
-use crate::problem::law::Law;
 use crate::problem::source::Source;
+use crate::problem::text::Written;
 use crate::spectral::error::PlaneError;
 use crate::spectral::geometry::domain::PlaneDomain;
 use crate::spectral::geometry::frame::Frame;
@@ -17,8 +17,6 @@ use std::collections::BTreeSet;
 pub(crate) struct PlaneProblem {
     /// The domain.
     pub domain: PlaneDomain,
-    /// The law on sides in contact.
-    pub law: Law,
     /// f.
     pub source: PlaneSource,
 }
@@ -27,12 +25,9 @@ impl PlaneProblem {
     /// The problem on the domain of a mesh.
     ///
     /// # Errors
-    /// [`PlaneError`] if the boundary is neither straight nor on the circles of its parts, these have several laws, or
-    /// f is of a kind that is not served.
+    /// [`PlaneError`] if the boundary is neither straight nor on the circles of its parts, two of these meet with
+    /// different values, or f is of a kind that is not served.
     pub(in crate::spectral) fn on_mesh(mesh: &PlaneMesh, f: &[Source]) -> Result<Self, PlaneError> {
-        let law = Law::only(&mesh.laws()).ok_or_else(|| {
-            PlaneError::Domain("the true solution takes one law for all of a component".into())
-        })?;
         let frame = Frame::of(mesh, f);
         let seen = frame.mesh(mesh);
         let circles: Vec<_> = seen.parts().iter().map(|part| part.curve).collect();
@@ -42,10 +37,35 @@ impl PlaneProblem {
         }
         let parts = mesh.parts().iter().map(|part| part.names.clone()).collect();
         let domain = PlaneDomain { parts, ..PlaneDomain::seen(frame, loops)? };
+        check_values(&domain)?;
         f.iter().try_for_each(|f| frame.check(f, domain.diameter()))?;
         let source = source(&seen, f, &domain)?;
-        Ok(Self { domain, law: frame.law(law), source })
+        Ok(Self { domain, source })
     }
+}
+
+/// Checks that v has one value wherever two parts meet, or one of them is free there.
+///
+/// # Errors
+/// [`PlaneError::Domain`].
+fn check_values(domain: &PlaneDomain) -> Result<(), PlaneError> {
+    for ring in &domain.rings {
+        for (k, side) in ring.sides.iter().enumerate() {
+            let both = [ring.before(k), side];
+            let values = both.map(|own| own.law.at());
+            if values[0] == values[1] || both.iter().any(|own| own.law.is_free()) {
+                continue;
+            }
+            let [x, y] = domain.frame.outside(side.point(0.0));
+            let [one, other] = both.map(|own| &domain.parts[own.part]);
+            let [a, b] = values.map(|at| Written(domain.frame.of_value() * at));
+            return Err(PlaneError::Domain(format!(
+                "{one} and {other} meet at ({x}, {y}) with the values {a} and {b} of v; the true solution takes one, \
+                 or a free part between them"
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// Returns f as the solver takes it, on a mesh in the coordinates of a domain.

@@ -1,7 +1,6 @@
 //! Data that do not depend on the contact set, and the levels of resolution.
 
 use crate::problem::complex::Complex;
-use crate::problem::law::Law;
 use crate::spectral::error::PlaneError;
 use crate::spectral::geometry::boundary::Walk;
 use crate::spectral::geometry::curve::beside;
@@ -13,7 +12,6 @@ use crate::spectral::source::jumps::PlaneJumps;
 /// Data of a problem.
 pub(in crate::spectral) struct Setup {
     pub domain: PlaneDomain,
-    pub law: Law,
     pub jumps: PlaneJumps,
     pub images: Vec<Image>,
     /// Middle of the box round the domain.
@@ -112,7 +110,7 @@ impl Level {
 
 impl Setup {
     pub(in crate::spectral) fn new(problem: &PlaneProblem) -> Result<Self, PlaneError> {
-        let PlaneProblem { domain, law, source } = problem;
+        let PlaneProblem { domain, source } = problem;
         let jumps = PlaneJumps::new(domain, source)?;
         let diameter = domain.diameter();
         Ok(Self {
@@ -120,7 +118,6 @@ impl Setup {
             centre: domain.centre(),
             perimeter: domain.perimeter(),
             domain: domain.clone(),
-            law: *law,
             jumps,
             diameter,
             medial: medial_discs(domain),

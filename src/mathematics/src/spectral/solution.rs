@@ -5,6 +5,7 @@ use super::contact::search::{self, PlaneFound};
 use super::contact::start::PlaneStart;
 use super::fit::Effort;
 use super::fit::field::{self, share};
+use super::geometry::boundary::State;
 use super::geometry::panels::Spot;
 use super::geometry::side::SidePlace;
 use super::problem::PlaneProblem;
@@ -12,7 +13,7 @@ use super::proof;
 use super::setup::Setup;
 use crate::discrete::contact::ContactArc;
 use crate::problem::complex::Complex;
-use crate::problem::law::Law;
+use crate::problem::law::BoundaryState;
 use crate::problem::text::{percent, plain};
 use crate::spectral::error::PlaneError;
 use std::fmt;
@@ -25,13 +26,13 @@ const BESIDE: [f64; 2] = [1e-15, 1e-6];
 /// Conditions that must hold of a solution and were not used to find it.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct PlaneChecks {
-    /// Largest |v| where v = 0, between the rows, over the size of v and psi.
+    /// Largest distance of v from the value that it should have, between the rows, over the size of v and psi.
     pub residual: f64,
     /// Integral of dv/dn plus that of f, over the integral of |f|.
     pub balance: f64,
-    /// Least room of the flux in the law where it holds, over the mean of |dv/dn|.
+    /// Least room of the flux in the law where v sticks, over the mean of |dv/dn|.
     pub flux: f64,
-    /// Least v of the right sign on the gaps, over the size of v and psi.
+    /// Least v less the value of the law, of the right sign, on the gaps, over the size of v and psi.
     pub sign: f64,
     /// Distance of the bounds over the energy; none without bounds.
     pub bracket: Option<f64>,
@@ -43,9 +44,12 @@ pub struct TrueSolution {
     pub energy: f64,
     /// Guaranteed bounds of the energy, or the step of their proof that does not apply.
     pub bracket: Result<[f64; 2], &'static str>,
+    /// Lower bound of the L2 norm of grad u; none without bounds, or where it follows from them since no law has a
+    /// value.
+    pub gradient: Option<f64>,
     /// Arcs in contact, each with the domain on the left.
     pub contact: Vec<ContactArc>,
-    /// Integral of dv/dn over the boundary where the law holds.
+    /// Integral of dv/dn over the boundary where v may stick and slip.
     pub force: f64,
     /// Integral of f over the domain.
     pub integral: f64,
@@ -73,11 +77,16 @@ impl TrueSolution {
     /// Solution on the components of this one and those of another.
     pub(super) fn with(self, other: Self) -> Self {
         let both = self.bracket.and_then(|own| Ok((own, other.bracket?)));
+        let gradient = match [&self, &other].map(|own| own.gradient) {
+            [None, None] => None,
+            _ => Some(libm::hypot(self.least_gradient(), other.least_gradient())),
+        };
         let mut notes = [self.notes, other.notes].concat();
         notes.dedup();
         Self {
             energy: self.energy + other.energy,
             bracket: both.map(|([low, high], [lower, upper])| [low + lower, high + upper]),
+            gradient,
             contact: [self.contact, other.contact].concat(),
             force: self.force + other.force,
             integral: self.integral + other.integral,
@@ -88,6 +97,12 @@ impl TrueSolution {
             notes,
             components: self.components.into_iter().chain(other.components).collect(),
         }
+    }
+
+    /// Lower bound of the L2 norm of grad u, with or without values of laws.
+    fn least_gradient(&self) -> f64 {
+        let of_energy = self.bracket.map_or(0.0, |[_, high]| (-2.0 * high).max(0.0).sqrt());
+        self.gradient.unwrap_or(of_energy)
     }
 
     /// Solution on the component that holds a point, or is nearest to it.
@@ -178,7 +193,8 @@ pub(super) fn solve(
             energy
         }
     };
-    if energy > 0.0 || bracket.is_ok_and(|own| own.lower > 0.0) {
+    let is_above = energy > 0.0 || bracket.is_ok_and(|own| own.lower > 0.0);
+    if is_above && !setup.domain.has_values() {
         return Err(PlaneError::NotFound(
             "the energy came out above zero, that of v = 0: rounding errors exceed it".into(),
         ));
@@ -201,17 +217,18 @@ pub(super) fn solve(
     let mut notes = Vec::new();
     if let Ok(own) = bracket
         && own.relative() > WIDE
-        && energy != 0.0
+        && own.size != 0.0
     {
         let (share, cause) = (percent(own.relative(), 2), own.cause);
         notes.push(format!("the bounds of the energy are {share} of it apart: mostly {cause}"));
     }
-    let lawful = nodes.iter().filter(|node| node.lawful);
+    let lawful = nodes.iter().filter(|node| node.law.may_move());
     let force: f64 = lawful.map(|node| node.spot.weight * node.flux).sum();
     let unit = setup.domain.frame.of_value();
     Ok(TrueSolution {
         energy: unit * unit * energy,
         bracket: bracket.map(|own| own.ends().map(|end| unit * unit * end)),
+        gradient: bracket.ok().and_then(|own| Some(unit * own.gradient?)),
         contact: arcs(&setup, &found),
         force: unit * force,
         integral: unit * (sizes.balance - sizes.force),
@@ -284,14 +301,18 @@ impl PlaneSolution {
         let [[value, _], [_, flux]] =
             BESIDE.map(|part| self.found_at(ring, self.beside_corners(ring, place, part)));
         // On one of both sides of each condition the number is known without error.
-        let (law, contact) = (self.setup.law, &self.found.contact[ring]);
-        let [value, flux] = match own.sides[place.side].law {
-            Law::FIXED => [0.0, flux],
-            Law::FREE => [value, 0.0],
-            _ if contact.flux(own.along(place), own.length()).is_none() => [0.0, law.project(flux)],
-            _ if value < 0.0 && law.hi().is_finite() => [value, law.hi()],
-            _ if law.lo().is_finite() => [value, law.lo()],
-            _ => [value, law.hi()],
+        let (law, contact) = (own.sides[place.side].law, &self.found.contact[ring]);
+        let slips =
+            if value < law.at() { BoundaryState::SlipsDown } else { BoundaryState::SlipsUp };
+        let state = match contact.state(own.along(place), own.length()) {
+            _ if law.is_free() => slips,
+            BoundaryState::Sticks => BoundaryState::Sticks,
+            _ if law.is_fixed() => BoundaryState::Sticks,
+            _ => slips,
+        };
+        let [value, flux] = match State::under(law, state) {
+            State::Held => [law.at(), law.project(flux)],
+            State::Flux(q) => [value, q],
         };
         [domain.frame.of_value() * value, domain.frame.of_flux() * flux]
     }

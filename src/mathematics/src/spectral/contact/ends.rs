@@ -1,5 +1,5 @@
-//! Arcs of a solution that stick, and ends of contact: the expansion of v there, and estimates of how far from the true
-//! ends those that were found are.
+//! Arcs of a solution that stick, and ends of contact: the expansion of v less the value of the law there, and
+//! estimates of how far from the true ends those that were found are.
 //!
 //! The first coefficient K of the expansion vanishes at the true end ([`newton`](super::newton)). What the conditions
 //! are missed by, rho(s) at a distance s from the end, changes it: on a half-plane, half of whose border sticks, by at
@@ -25,7 +25,7 @@ use crate::spectral::geometry::boundary::State;
 use crate::spectral::setup::Setup;
 use std::f64::consts::PI;
 
-/// `v = K r^(1/2) + K1 r^(3/2)` at a distance r from an end, on the side that does not stick.
+/// `v - at = K r^(1/2) + K1 r^(3/2)` at a distance r from an end, on the side that does not stick.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::spectral) struct EndExpansion {
     /// Number of the split that the end is.
@@ -122,8 +122,8 @@ impl PlaneFound {
             for (power, square) in (1..).zip(&mut squares) {
                 *square += weight * r.powi(power);
             }
-            products[0] += weight * node.value * r.sqrt();
-            products[1] += weight * node.value * r * r.sqrt();
+            products[0] += weight * node.above() * r.sqrt();
+            products[1] += weight * node.above() * r * r.sqrt();
         }
         let [first, mixed, last] = squares;
         (products[1] * first - products[0] * mixed) / (first * last - mixed * mixed)
@@ -161,7 +161,7 @@ impl PlaneFound {
     }
 }
 
-/// Arcs that stick, each with its parts where the law holds: one that goes on over fixed and free sides ends at their
+/// Arcs that stick, each with its parts where v may slip: one that goes on over fixed and free sides ends at their
 /// corner. All is in the plane.
 pub(in crate::spectral) fn arcs(setup: &Setup, found: &PlaneFound) -> Vec<ContactArc> {
     let (frame, mut arcs) = (setup.domain.frame, Vec::new());
@@ -169,14 +169,14 @@ pub(in crate::spectral) fn arcs(setup: &Setup, found: &PlaneFound) -> Vec<Contac
     for (number, ((ring, own), errors)) in loops.enumerate() {
         let (turn, sides, many) = (ring.length(), &ring.sides, ring.sides.len());
         let lawful: Vec<&PlaneNode> =
-            found.nodes.iter().filter(|node| node.ring == number && node.lawful).collect();
+            found.nodes.iter().filter(|own| own.ring == number && own.law.may_move()).collect();
         let closed = own.arcs.is_empty() && own.gaps.is_empty();
         let (all, none) = ([0.0, turn], [0.0; 2]);
         let whole_loop = closed.then_some((&all, &none));
         for (&[from, to], errors) in own.arcs.iter().zip(&errors).chain(whole_loop) {
             let inside = lawful.iter().filter(|node| (node.t - from).rem_euclid(turn) <= to - from);
             let force: f64 = inside.map(|node| node.spot.weight * node.flux).sum();
-            let [first, last] = [from, to].map(|t| ring.place(t));
+            let [first, last] = [ring.place_from(from), ring.place_to(to)];
             let count = match closed {
                 true => many,
                 // An arc that begins and ends on one side either stays on it or goes all the way round.

@@ -4,9 +4,8 @@
 //! on the other ends to first order where all K vanish, since the derivative of v by an end is K times a singular
 //! function; so to move each end by `-K / (1.5 K1)` towards the free side is Newton's method.
 
-use crate::problem::law::Law;
 use crate::spectral::fit::{Effort, Fit};
-use crate::spectral::geometry::boundary::State;
+use crate::spectral::geometry::boundary::{State, sign};
 use crate::spectral::geometry::ring::RingContact;
 use crate::spectral::setup::{Level, Setup};
 use std::collections::HashMap;
@@ -132,16 +131,14 @@ fn end_steps(setup: &Setup, contact: &[RingContact], fit: &Fit) -> Vec<EndStep> 
     for end in fit.ends() {
         let (split, [k, k1]) = (&fit.walk.splits[end.split], end.coefficients);
         let (arc, which) = (end.arc, end.which);
-        let flux = split
-            .states
-            .iter()
-            .find_map(|state| if let State::Flux(q) = state { Some(*q) } else { None });
-        let sign = match flux {
-            Some(q) if q == setup.law.hi() => -1.0,
-            _ => 1.0,
-        };
+        let line = &setup.domain.rings[split.ring];
+        let law = line.sides[line.place(split.t).side].law;
+        let mut fluxes = split.states.iter();
+        let flux =
+            fluxes.find_map(|state| if let State::Flux(q) = state { Some(*q) } else { None });
+        let sign = flux.map_or(1.0, |q| sign(law, q));
         let ring = &contact[split.ring];
-        let turn = setup.domain.rings[split.ring].length();
+        let turn = line.length();
         let [arc_length, gap] = around(ring, arc, which, turn);
         // Towards the free side.
         let wanted = match k1 * sign > 0.0 {
@@ -265,8 +262,8 @@ pub(in crate::spectral) fn remove(ring: &mut RingContact, number: usize, is_gap:
     }
 }
 
-/// Moves ends that lie in a corner, but for little, out of it; into it if the law ends there. An arc round a corner
-/// that is shorter than both moves stays.
+/// Moves ends that lie in a corner, but for little, out of it; into it if another law begins there. An arc round a
+/// corner that is shorter than both moves stays.
 fn keep_off_corners(setup: &Setup, contact: &mut [RingContact]) {
     for (own, ring) in contact.iter_mut().zip(&setup.domain.rings) {
         let least = 1e-7 * setup.perimeter;
@@ -279,12 +276,13 @@ fn keep_off_corners(setup: &Setup, contact: &mut [RingContact]) {
                     continue;
                 }
                 let side = ring.place(corner).side;
-                let beyond = if which == 1 { side } else { side + ring.sides.len() - 1 };
-                *t += match (ring.sides[beyond % ring.sides.len()].law, which) {
-                    (Law::FIXED | Law::FREE, _) => -after,
+                let [before, beyond] = [ring.before(side).law, ring.sides[side].law];
+                let [own, other] = if which == 1 { [before, beyond] } else { [beyond, before] };
+                *t += match which {
+                    _ if !other.may_move() || own.may_move() && own != other => -after,
                     // Contact leaves the corner free.
-                    (_, 0) => least - after,
-                    (..) => -least - after,
+                    0 => least - after,
+                    _ => -least - after,
                 };
             }
         }
@@ -298,6 +296,7 @@ fn keep_off_corners(setup: &Setup, contact: &mut [RingContact]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::problem::law::BoundaryState::{SlipsDown, SlipsUp};
     use crate::problem::law::Law;
     use crate::spectral::geometry::polygons::square;
     use crate::spectral::problem::PlaneProblem;
@@ -305,10 +304,9 @@ mod tests {
 
     /// Unit square in contact, with friction and f = -1.
     fn square_with_friction() -> Setup {
-        let domain = square();
+        let domain = square().with_law(Law::friction(1.0).unwrap());
         let source = PlaneSource::Pieces(Regions::all("else=-1".parse().unwrap()));
-        let law = Law::friction(1.0).unwrap();
-        Setup::new(&PlaneProblem { domain, law, source }).unwrap()
+        Setup::new(&PlaneProblem { domain, source }).unwrap()
     }
 
     #[test]
@@ -320,7 +318,8 @@ mod tests {
             ([1.0 + 0.1 * least, 1.4], [1.0 + least, 1.4]),
             ([1.0 - 0.5 * least, 1.0 + 0.6 * least], [1.0 - 0.5 * least, 1.0 + 0.6 * least]),
         ] {
-            let mut contact = [RingContact { arcs: vec![arc, [2.2, 2.4]], gaps: vec![1.0, -1.0] }];
+            let mut contact =
+                [RingContact { arcs: vec![arc, [2.2, 2.4]], gaps: vec![SlipsDown, SlipsUp] }];
             keep_off_corners(&setup, &mut contact);
             let own = contact[0].arcs[0];
             assert!((0..2).all(|k| (own[k] - moved[k]).abs() < 1e-15), "{arc:?} {own:?}");
@@ -332,7 +331,7 @@ mod tests {
         let setup = square_with_friction();
         let moved = |arc, which, step, cut| EndStep { ring: 0, arc, which, step, cut, near: 0.1 };
         let both = [moved(0, 0, 0.1, true), moved(0, 1, -0.1, true)];
-        for (gaps, many) in [([1.0, 1.0], 2), ([-1.0, 1.0], 0)] {
+        for (gaps, many) in [([SlipsDown; 2], 2), ([SlipsUp, SlipsDown], 0)] {
             let contact = [RingContact { arcs: vec![[0.2, 0.4], [1.2, 2.4]], gaps: gaps.to_vec() }];
             let short = shrinking(&setup, &contact, &both);
             assert_eq!(short.len(), many);

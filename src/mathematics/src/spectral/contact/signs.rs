@@ -1,7 +1,8 @@
 //! Signs of v and of the flux on the boundary, and the contact set without those that are wrong.
 
+use crate::problem::law::BoundaryState;
 use crate::spectral::fit::field::{PlaneNode, Sizes};
-use crate::spectral::geometry::boundary::State;
+use crate::spectral::geometry::boundary::{State, sign};
 use crate::spectral::geometry::ring::{RingContact, StateChange};
 use crate::spectral::setup::Setup;
 
@@ -9,7 +10,7 @@ use crate::spectral::setup::Setup;
 pub(in crate::spectral) struct PlaneSigns {
     /// Least room of the flux in the law, over its size; violations next to a split count less.
     pub flux: f64,
-    /// Least v of the right sign where it is not zero, over its size.
+    /// Least v less the value of the law, of the right sign where v slips, over its size.
     pub value: f64,
     pub mended: Option<Vec<RingContact>>,
 }
@@ -18,10 +19,8 @@ pub(in crate::spectral) struct PlaneSigns {
 #[derive(Clone, Copy, PartialEq)]
 enum PlaneVerdict {
     Right,
-    /// Should be free with this flux.
-    Slips(f64),
-    /// Should stick.
-    Sticks,
+    /// Should have this state.
+    Wrong(BoundaryState),
     /// Too near to a corner to be judged.
     Unknown,
 }
@@ -37,18 +36,19 @@ const NEAR: f64 = 1e-4;
 
 impl PlaneVerdict {
     fn is_wrong(self) -> bool {
-        matches!(self, Self::Slips(_) | Self::Sticks)
+        matches!(self, Self::Wrong(_))
     }
 
     /// Verdict on a node that sticks, and the room of its flux in the law.
     fn on_held(node: &PlaneNode, setup: &Setup, sizes: Sizes) -> (Self, f64) {
-        let (law, distance) = (setup.law, node.spot.offset);
+        let (law, distance) = (node.law, node.spot.offset);
         let share = (distance / (NEAR * setup.perimeter)).min(1.0);
         let [above_lo, below_hi] = law.room(node.flux);
         let room = above_lo.min(below_hi) * share;
         let tolerated = FLUX * sizes.flux + RESIDUALS * sizes.residual * share / distance;
         let verdict = if room < -tolerated {
-            Self::Slips(if above_lo < below_hi { law.lo() } else { law.hi() })
+            let is_up = above_lo < below_hi;
+            Self::Wrong(if is_up { BoundaryState::SlipsUp } else { BoundaryState::SlipsDown })
         } else if share < 0.1 {
             Self::Unknown
         } else {
@@ -57,13 +57,17 @@ impl PlaneVerdict {
         (verdict, room)
     }
 
-    /// Verdict on a node that slips with the flux q, and its v of the right sign.
+    /// Verdict on a node that slips with the flux q, and v less the value of its law, of the right sign.
     fn on_slipping(node: &PlaneNode, q: f64, setup: &Setup, sizes: Sizes) -> (Self, f64) {
-        let right = if q == setup.law.hi() { -node.value } else { node.value };
+        let right = sign(node.law, q) * node.above();
         // Beside an end that is a little off.
         let beside = if node.spot.offset < NEAR * setup.perimeter { 1e3 } else { 0.0 };
         let tolerated = VALUE * sizes.value * (1.0 + beside) + RESIDUALS * sizes.residual;
-        (if right < -tolerated { Self::Sticks } else { Self::Right }, right)
+        let verdict = match right < -tolerated {
+            true => Self::Wrong(BoundaryState::Sticks),
+            false => Self::Right,
+        };
+        (verdict, right)
     }
 }
 
@@ -80,7 +84,7 @@ impl PlaneSigns {
         let mut verdicts = Vec::with_capacity(nodes.len());
         for node in nodes {
             verdicts.push(match node.state {
-                _ if !node.lawful || node.by_end && node.spot.offset < unsure => {
+                _ if !node.law.may_move() || node.by_end && node.spot.offset < unsure => {
                     PlaneVerdict::Right
                 }
                 State::Held => {
@@ -106,7 +110,7 @@ impl PlaneSigns {
     }
 }
 
-/// Nodes of a loop where the law holds, in walking order, with the verdicts on them.
+/// Nodes of a loop where v may slip and stick, in walking order, with the verdicts on them.
 struct LoopVerdicts<'a> {
     /// Length of the loop.
     turn: f64,
@@ -116,7 +120,8 @@ struct LoopVerdicts<'a> {
 
 impl<'a> LoopVerdicts<'a> {
     fn new(ring: usize, turn: f64, nodes: &'a [PlaneNode], verdicts: &[PlaneVerdict]) -> Self {
-        let own = nodes.iter().zip(verdicts).filter(|(node, _)| node.ring == ring && node.lawful);
+        let own = nodes.iter().zip(verdicts);
+        let own = own.filter(|(node, _)| node.ring == ring && node.law.may_move());
         let (nodes, verdicts) = own.map(|(node, verdict)| (node, *verdict)).unzip();
         Self { turn, nodes, verdicts }
     }
@@ -127,7 +132,7 @@ impl<'a> LoopVerdicts<'a> {
         if !self.verdicts.iter().any(|verdict| verdict.is_wrong()) {
             return contact.clone();
         }
-        RingContact::of_changes(self.turn, &self.changes(contact), self.flux(0))
+        RingContact::of_changes(self.turn, &self.changes(contact), self.state(0))
     }
 
     /// Position of the node before another one.
@@ -141,20 +146,24 @@ impl<'a> LoopVerdicts<'a> {
         for i in (0..many).chain((0..many).rev()) {
             if self.verdicts[i] == PlaneVerdict::Unknown {
                 for beside in [(i + 1) % many, self.before(i)] {
-                    if let slips @ PlaneVerdict::Slips(_) = self.verdicts[beside] {
-                        self.verdicts[i] = slips;
+                    if let PlaneVerdict::Wrong(state) = self.verdicts[beside]
+                        && state != BoundaryState::Sticks
+                    {
+                        self.verdicts[i] = PlaneVerdict::Wrong(state);
                     }
                 }
             }
         }
     }
 
-    /// Flux of a node that is to slip; none of one that is to stick.
-    fn flux(&self, i: usize) -> Option<f64> {
-        match (self.verdicts[i], self.nodes[i].state) {
-            (PlaneVerdict::Slips(q), _) => Some(q),
-            (PlaneVerdict::Sticks, _) | (_, State::Held) => None,
-            (_, State::Flux(q)) => Some(q),
+    /// State that a node is to have.
+    fn state(&self, i: usize) -> BoundaryState {
+        let node = self.nodes[i];
+        match (self.verdicts[i], node.state) {
+            (PlaneVerdict::Wrong(state), _) => state,
+            (_, State::Held) => BoundaryState::Sticks,
+            (_, State::Flux(q)) if sign(node.law, q) > 0.0 => BoundaryState::SlipsUp,
+            (_, State::Flux(_)) => BoundaryState::SlipsDown,
         }
     }
 
@@ -162,10 +171,16 @@ impl<'a> LoopVerdicts<'a> {
     fn changes(&self, contact: &RingContact) -> Vec<StateChange> {
         let mut changes = Vec::new();
         for i in 0..self.nodes.len() {
-            let (was, flux) = (self.flux(self.before(i)), self.flux(i));
-            if was.is_some() != flux.is_some() {
-                changes.push(StateChange { at: self.change_before(i, contact), flux });
+            let (was, state) = (self.state(self.before(i)), self.state(i));
+            if was == state {
+                continue;
             }
+            let at = self.change_before(i, contact);
+            if ![was, state].contains(&BoundaryState::Sticks) {
+                // v passes the value of the law, on a free part or where laws meet.
+                changes.push(StateChange { at, state: BoundaryState::Sticks });
+            }
+            changes.push(StateChange { at, state });
         }
         changes
     }

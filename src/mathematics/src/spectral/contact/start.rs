@@ -13,6 +13,7 @@ use crate::multilevel::solve_nested_networks;
 use crate::problem::complex::Complex;
 use crate::problem::law::{BoundaryState, Law};
 use crate::problem::source::Source;
+use crate::spectral::geometry::domain::PlaneDomain;
 use crate::spectral::geometry::ring::{PlaneRing, RingContact, StateChange};
 use crate::spectral::geometry::side::SidePlace;
 use crate::spectral::problem::PlaneProblem;
@@ -73,10 +74,10 @@ impl DiscreteStart {
         Self { y, states, curves }
     }
 
-    /// Contact set on the loops of a problem, with the fluxes of its law.
+    /// Contact set on the loops of a problem.
     pub(in crate::spectral) fn seen(
         &self,
-        PlaneProblem { domain, law, .. }: &PlaneProblem,
+        PlaneProblem { domain, .. }: &PlaneProblem,
     ) -> PlaneStart {
         let mut curves = self.curves.clone();
         for point in curves.iter_mut().flat_map(|curve| &mut curve.points) {
@@ -89,7 +90,7 @@ impl DiscreteStart {
             let nearest = distances.enumerate().min_by(|one, other| one.1.total_cmp(&other.1));
             let (number, _) = nearest.expect("as many curves as loops");
             let nodes = NodesOfLoop::new(&curves[number], ring, &self.y, &self.states);
-            contact.push(nodes.contact(*law));
+            contact.push(nodes.contact(domain));
         }
         PlaneStart { contact, spacing }
     }
@@ -107,11 +108,18 @@ fn place_of(curve: &ClosedCurve, node: usize) -> Complex {
     Complex::new(x, y)
 }
 
+/// Value of the laws beside a node of a curve; 0 between free parts.
+fn value_at(curve: &ClosedCurve, node: usize) -> f64 {
+    let many = curve.nodes.len();
+    let beside = [node, (node + many - 1) % many].map(|edge| curve.laws[edge]);
+    beside.into_iter().find(|law| !law.is_free()).map_or(0.0, Law::at)
+}
+
 /// Boundary nodes on a loop, in walking order.
 struct NodesOfLoop<'a> {
     curve: &'a ClosedCurve,
     ring: &'a PlaneRing,
-    /// v.
+    /// v less the value of the law.
     values: Vec<f64>,
     /// States; a fixed node sticks, one of a free part slips by the sign of v.
     states: Vec<BoundaryState>,
@@ -124,7 +132,8 @@ impl<'a> NodesOfLoop<'a> {
         y: &[f64],
         states: &HashMap<usize, BoundaryState>,
     ) -> Self {
-        let values: Vec<f64> = curve.nodes.iter().map(|&node| y[node]).collect();
+        let nodes = curve.nodes.iter().enumerate();
+        let values: Vec<f64> = nodes.map(|(k, &node)| y[node] - value_at(curve, k)).collect();
         let mut own = Vec::new();
         for (k, node) in curve.nodes.iter().enumerate() {
             own.push(match states.get(node) {
@@ -158,8 +167,18 @@ impl<'a> NodesOfLoop<'a> {
         self.curve.laws[k % self.many()]
     }
 
-    /// Arcs that stick, and the flux on the gaps; where v changes its sign a short arc.
-    fn contact(&self, law: Law) -> RingContact {
+    /// Arcs that stick, and the states of the gaps; where v changes its sign a short arc. Where no law of the domain
+    /// lets v leave its value in a direction, gaps have the other.
+    fn contact(&self, domain: &PlaneDomain) -> RingContact {
+        let laws: Vec<Law> =
+            domain.sides().map(|own| own.law).filter(|law| law.may_move()).collect();
+        let goes_up = laws.is_empty() || laws.iter().any(|law| law.lo().is_finite());
+        let goes_down = laws.iter().any(|law| law.hi().is_finite());
+        let slips = |k: usize| match self.state(k) {
+            BoundaryState::SlipsDown if goes_down => BoundaryState::SlipsDown,
+            _ if goes_up => BoundaryState::SlipsUp,
+            _ => BoundaryState::SlipsDown,
+        };
         let mut changes = Vec::new();
         for k in (0..self.many()).filter(|&k| self.state(k) != self.state(k + 1)) {
             let [begin, end] = match (self.sticks(k), self.sticks(k + 1)) {
@@ -167,19 +186,23 @@ impl<'a> NodesOfLoop<'a> {
                 (true, _) => [None, Some(self.end(k))],
                 (false, false) => self.arc_between(k).map(Some),
             };
-            let flux = Some(flux(self.state(k + 1), law));
-            changes.extend(begin.map(|at| StateChange { at, flux: None }));
-            changes.extend(end.map(|at| StateChange { at, flux }));
+            changes.extend(begin.map(|at| StateChange { at, state: BoundaryState::Sticks }));
+            changes.extend(end.map(|at| StateChange { at, state: slips(k + 1) }));
         }
-        let all = (!self.sticks(0)).then(|| flux(self.state(0), law));
+        let all = if self.sticks(0) { BoundaryState::Sticks } else { slips(0) };
         RingContact::of_changes(self.ring.length(), &changes, all)
+    }
+
+    /// True if a law that may move goes on from one edge to another.
+    fn goes_on(&self, [before, after]: [usize; 2]) -> bool {
+        self.law(before).may_move() && self.law(before) == self.law(after)
     }
 
     /// Beginning of an arc at its first node.
     fn beginning(&self, k: usize) -> f64 {
         let many = self.many();
         let before = k + many - 1;
-        if ![before, k].iter().all(|&k| self.law(k).may_move()) {
+        if !self.goes_on([before, k]) {
             return self.place(k, 0.0);
         }
         let beyond = reach([self.value(before), self.value(before + many - 1)]);
@@ -189,7 +212,7 @@ impl<'a> NodesOfLoop<'a> {
     /// End of an arc at its last node.
     fn end(&self, k: usize) -> f64 {
         let before = k + self.many() - 1;
-        if ![before, k].iter().all(|&k| self.law(k).may_move()) {
+        if !self.goes_on([before, k]) {
             return self.place(before, 1.0);
         }
         let beyond = reach([self.value(k + 1), self.value(k + 2)]);
@@ -212,10 +235,4 @@ impl<'a> NodesOfLoop<'a> {
         let s = self.ring.sides[side].nearest(a + (b - a).scaled(part));
         self.ring.along(SidePlace { side, s })
     }
-}
-
-/// Flux on a gap where v has a sign.
-fn flux(state: BoundaryState, law: Law) -> f64 {
-    let is_down = state == BoundaryState::SlipsDown && law.hi().is_finite();
-    if is_down || law.lo().is_infinite() { law.hi() } else { law.lo() }
 }

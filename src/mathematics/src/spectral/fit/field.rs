@@ -1,6 +1,7 @@
 //! v and its flux at quadrature points of the boundary, other ones than the rows of the fit.
 
 use crate::problem::complex::Complex;
+use crate::problem::law::Law;
 use crate::spectral::complex::ln;
 use crate::spectral::fit::{Fit, conditions, continue_logs, panels, spots_on};
 use crate::spectral::geometry::boundary::State;
@@ -21,11 +22,10 @@ pub(in crate::spectral) struct PlaneNode {
     /// dpsi/dn.
     pub psi_flux: f64,
     pub state: State,
-    /// True where the law holds.
-    pub lawful: bool,
+    pub law: Law,
     /// True if the split next to it is an end of contact.
     pub by_end: bool,
-    /// By how much the condition is missed: by v where it is zero, by the integral of dv/dn elsewhere.
+    /// By how much the condition is missed: by v where it is given, by the integral of dv/dn elsewhere.
     pub residual: f64,
     /// Distance along the loop.
     pub t: f64,
@@ -33,6 +33,11 @@ pub(in crate::spectral) struct PlaneNode {
 }
 
 impl PlaneNode {
+    /// v less the value of the law.
+    pub(in crate::spectral) fn above(&self) -> f64 {
+        self.value - self.law.at()
+    }
+
     /// Outer normal.
     pub(in crate::spectral) fn normal(&self) -> Complex {
         -self.spot.tangent.turned()
@@ -42,9 +47,9 @@ impl PlaneNode {
 /// Sizes that all checks refer to.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::spectral) struct Sizes {
-    /// Mean of |dv/dn| and of |f| times the area over the perimeter, the larger.
+    /// Mean of |dv/dn|.
     pub flux: f64,
-    /// That times the diameter.
+    /// That times the diameter, or the largest value of a law.
     pub value: f64,
     /// Largest residual.
     pub residual: f64,
@@ -66,7 +71,7 @@ pub(in crate::spectral) fn boundary_nodes(
     let mut nodes = nodes_at(setup, fit, &spots);
     for (node, condition) in nodes.iter_mut().zip(conditions(setup, &fit.walk, &spots)) {
         node.residual = match node.state {
-            State::Held => node.value,
+            State::Held => node.above(),
             State::Flux(_) => node.conjugate - condition,
         };
     }
@@ -122,7 +127,7 @@ pub(in crate::spectral) fn node(
         psi_flux,
         state: interval.state,
         residual: 0.0,
-        lawful: interval.lawful,
+        law: interval.law,
         by_end: fit.walk.splits.get(spot.split).is_some_and(|split| split.end.is_some()),
         t: fit.walk.splits[interval.splits[0]].t + spot.s,
         ring: interval.ring,
@@ -141,6 +146,8 @@ impl Sizes {
     }
 
     pub(in crate::spectral) fn new(setup: &Setup, nodes: &[PlaneNode]) -> Self {
+        /// Difference of v from a constant, over that, which is none.
+        const CONSTANT: f64 = 1e-7;
         let mut sizes = Self::default();
         for node in nodes {
             sizes.force += node.spot.weight * node.flux;
@@ -148,7 +155,10 @@ impl Sizes {
             sizes.flux += node.spot.weight * node.flux.abs() / setup.perimeter;
             sizes.residual = sizes.residual.max(node.residual.abs());
         }
-        sizes.value = sizes.flux * setup.diameter;
+        let at = setup.domain.sides().fold(0.0f64, |most, side| most.max(side.law.at().abs()));
+        // v may be a constant but for rounding.
+        sizes.flux = sizes.flux.max(CONSTANT * at / setup.diameter);
+        sizes.value = (sizes.flux * setup.diameter).max(at);
         sizes
     }
 }

@@ -1,18 +1,18 @@
 //! The boundary as a walk: corners, ends of contact and crossings split it into intervals with one condition each;
 //! intervals into panels that get short towards these points.
 
-use super::ring::{PlaneRing, RingContact};
+use super::ring::{PlaneRing, RingContact, TOGETHER};
 use crate::problem::complex::Complex;
-use crate::problem::law::Law;
+use crate::problem::law::{BoundaryState, Law};
 use std::f64::consts::PI;
 
 impl PlaneRing {
-    /// Condition at a distance along the loop: that of its side, or of the contact set where the law holds.
+    /// Condition at a distance along the loop: that of its side, or of the contact set where it may move.
     fn state(&self, t: f64, contact: &RingContact) -> State {
         match self.sides[self.place(t).side].law {
-            Law::FIXED => State::Held,
-            Law::FREE => State::Flux(0.0),
-            _ => contact.flux(t, self.length()).map_or(State::Held, State::Flux),
+            law if law.is_fixed() => State::Held,
+            law if law.is_free() => State::Flux(law.lo()),
+            law => State::under(law, contact.state(t, self.length())),
         }
     }
 
@@ -29,10 +29,28 @@ impl PlaneRing {
 /// Condition on an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::spectral) enum State {
-    /// v = 0.
+    /// v is the value of the law.
     Held,
     /// dv/dn has this value.
     Flux(f64),
+}
+
+impl State {
+    /// Condition of a state under a law; v that would leave the value where the law lets it not, leaves it the other
+    /// way.
+    pub(in crate::spectral) fn under(law: Law, state: BoundaryState) -> Self {
+        match state {
+            BoundaryState::Sticks => Self::Held,
+            BoundaryState::SlipsDown if law.hi().is_finite() => Self::Flux(law.hi()),
+            _ if law.lo().is_finite() => Self::Flux(law.lo()),
+            _ => Self::Flux(law.hi()),
+        }
+    }
+}
+
+/// Sign of v less the value of a law that belongs to a flux at an end of it.
+pub(in crate::spectral) fn sign(law: Law, flux: f64) -> f64 {
+    if flux == law.hi() { -1.0 } else { 1.0 }
 }
 
 /// Point between two intervals.
@@ -63,7 +81,7 @@ pub(in crate::spectral) struct Split {
 pub(in crate::spectral) struct CornerBeside {
     /// Inner angle.
     pub angle: f64,
-    /// True if v = 0 on one side of the corner and the end together, and not on the other.
+    /// True if v is given on one side of the corner and the end together, and not on the other.
     pub is_mixed: bool,
 }
 
@@ -79,11 +97,10 @@ pub(in crate::spectral) struct PlaneInterval {
     pub length: f64,
     pub curvature: f64,
     pub state: State,
-    /// True where the law holds.
-    pub lawful: bool,
+    pub law: Law,
     /// f beside it.
     pub f: f64,
-    /// Number of its run: intervals beside each other without v = 0 between.
+    /// Number of its run: intervals beside each other on which dv/dn is given.
     pub run: usize,
 }
 
@@ -119,10 +136,6 @@ pub(in crate::spectral) struct Walk {
     /// Number of runs.
     pub runs: usize,
 }
-
-/// Distance from another split, in perimeters, below which an end of contact or a crossing is joined with it. What f is
-/// between both counts in the integrals all the same: see `BoundedEnergy::add_joined`.
-const TOGETHER: f64 = 1e-10;
 
 impl Walk {
     /// Corner next to an end of contact.
@@ -192,7 +205,7 @@ impl Walk {
                 length: lengths[k],
                 curvature: side.curvature(),
                 state: states[k],
-                lawful: side.law.may_move(),
+                law: side.law,
                 f: 0.0,
                 run: usize::MAX,
             });
@@ -201,8 +214,8 @@ impl Walk {
         self.number_runs(first);
     }
 
-    /// Numbers the runs of the last loop, from its first interval on, which becomes one where v = 0 if there is one: so
-    /// no run goes on from the last interval to the first.
+    /// Numbers the runs of the last loop, from its first interval on, which becomes one where v is given if there is
+    /// one: so no run goes on from the last interval to the first.
     fn number_runs(&mut self, first: usize) {
         let own = &mut self.intervals[first..];
         let held = own.iter().position(|interval| interval.state == State::Held).unwrap_or(0);

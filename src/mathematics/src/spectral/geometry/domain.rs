@@ -77,6 +77,11 @@ impl PlaneDomain {
         self.rings.iter().flat_map(|ring| &ring.sides)
     }
 
+    /// True if v = 0 is not what all laws have; without it the energy of v = 0 is zero.
+    pub(in crate::spectral) fn has_values(&self) -> bool {
+        self.sides().any(|side| side.law.at() != 0.0)
+    }
+
     /// Length of the diagonal of the box round the domain.
     pub(in crate::spectral) fn diameter(&self) -> f64 {
         let [[left, right], [low, high]] = self.extent();

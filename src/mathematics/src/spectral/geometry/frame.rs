@@ -91,8 +91,7 @@ impl Frame {
 
     /// A law in these coordinates.
     pub(in crate::spectral) fn law(&self, law: Law) -> Law {
-        let [lo, hi] = [law.lo(), law.hi()].map(|flux| flux / self.of_flux());
-        Law::new(lo, hi).unwrap_or(law)
+        law.in_units(self.of_value(), self.of_flux())
     }
 
     /// Constant pieces in these coordinates; another f as it is.

@@ -36,7 +36,7 @@ pub(in crate::spectral) fn outline(
     for (k, &law) in curve.laws.iter().enumerate() {
         let part = curve.parts.get(k).map_or(0, |&part| usize::from(part));
         let circle = circles.get(part).copied().flatten();
-        edges.push(OutlineEdge { circle, law, part });
+        edges.push(OutlineEdge { circle, law: frame.law(law), part });
     }
     let points = curve.points.iter().chain(curve.points.first());
     let points = points.map(|&[x, y]| Complex::new(x, y)).collect();
@@ -58,7 +58,7 @@ pub(in crate::spectral) fn outline(
 pub(in crate::spectral) struct OutlineEdge {
     /// Circle on which it lies; none if it is straight.
     pub circle: Option<Round<2>>,
-    /// Law on the boundary.
+    /// Law on the boundary, in the coordinates of the frame.
     pub law: Law,
     /// Position of its part among those of the mesh.
     pub part: usize,

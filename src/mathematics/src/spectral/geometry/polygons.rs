@@ -13,6 +13,13 @@ impl PlaneDomain {
     pub(in crate::spectral) fn new(loops: Vec<Vec<PlaneSide>>) -> Result<Self, PlaneError> {
         Self::seen(Frame::default(), loops)
     }
+
+    /// The domain with another law on sides that have the paper's.
+    pub(in crate::spectral) fn with_law(mut self, law: Law) -> Self {
+        let sides = self.rings.iter_mut().flat_map(|ring| &mut ring.sides);
+        sides.filter(|side| side.law == Law::SIGNORINI).for_each(|side| side.law = law);
+        self
+    }
 }
 
 /// Full circle round the origin.

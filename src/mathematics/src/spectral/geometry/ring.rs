@@ -2,6 +2,11 @@
 
 use super::side::{PlaneSide, SidePlace};
 use crate::problem::complex::Complex;
+use crate::problem::law::BoundaryState;
+
+/// Distance from another split, in perimeters, below which an end of contact or a crossing is joined with it. What f is
+/// between both counts in the integrals all the same: see `BoundedEnergy::add_joined`.
+pub(super) const TOGETHER: f64 = 1e-10;
 
 /// Closed loop of sides with the distances along it.
 #[derive(Clone, Debug)]
@@ -35,7 +40,7 @@ impl PlaneRing {
         [before.tangent(before.length()), self.sides[k].tangent(0.0)]
     }
 
-    /// True if a side goes on from the side before, smoothly or after a bend, with the same condition and curvature.
+    /// True if a side goes on from the side before, smoothly or after a bend, with the same law and curvature.
     pub(in crate::spectral) fn is_smooth(&self, k: usize) -> bool {
         let (side, before, [prior, after]) = (&self.sides[k], self.before(k), self.tangents(k));
         (prior.cross(after).abs() < 1e-12 || side.is_after_bend)
@@ -62,6 +67,24 @@ impl PlaneRing {
         SidePlace { side, s: (t - self.starts[side]).clamp(0.0, self.sides[side].length()) }
     }
 
+    /// Place at the beginning of an arc: in a corner, the start of a side.
+    pub(in crate::spectral) fn place_from(&self, t: f64) -> SidePlace {
+        let place = self.place(t);
+        let is_at_end = self.sides[place.side].length() - place.s < TOGETHER * self.length();
+        let next = SidePlace { side: (place.side + 1) % self.sides.len(), s: 0.0 };
+        if is_at_end { next } else { place }
+    }
+
+    /// Place at the end of an arc: in a corner, the end of a side.
+    pub(in crate::spectral) fn place_to(&self, t: f64) -> SidePlace {
+        let place = self.place(t);
+        if place.s >= TOGETHER * self.length() {
+            return place;
+        }
+        let side = (place.side + self.sides.len() - 1) % self.sides.len();
+        SidePlace { side, s: self.sides[side].length() }
+    }
+
     /// Number of the side that is nearest to a point, and its distance.
     pub(in crate::spectral) fn nearest(&self, z: Complex) -> (usize, f64) {
         let distances = self.sides.iter().map(|side| (side.point(side.nearest(z)) - z).norm());
@@ -74,54 +97,52 @@ impl PlaneRing {
 #[derive(Clone, Debug, Default)]
 pub(in crate::spectral) struct RingContact {
     pub arcs: Vec<[f64; 2]>,
-    /// Flux on the gap after each arc. Without arcs: none if all sticks, one if nothing does.
-    pub gaps: Vec<f64>,
+    /// State of the gap after each arc. Without arcs: none if all sticks, one if nothing does.
+    pub gaps: Vec<BoundaryState>,
 }
 
 /// Place on a loop at which the state changes.
 pub(in crate::spectral) struct StateChange {
     /// Distance along the loop.
     pub at: f64,
-    /// Flux from there on where the loop slips; none where it sticks.
-    pub flux: Option<f64>,
+    /// State from there on.
+    pub state: BoundaryState,
 }
 
 impl RingContact {
     /// Contact set of a loop of this length that sticks and slips in turn from these places on, in walking order; all
-    /// of which slips with a flux, or sticks, if there are none.
+    /// of which has one state if there are none.
     pub(in crate::spectral) fn of_changes(
         turn: f64,
         changes: &[StateChange],
-        all: Option<f64>,
+        all: BoundaryState,
     ) -> Self {
-        if changes.is_empty() {
-            return Self { arcs: Vec::new(), gaps: all.into_iter().collect() };
-        }
         let mut found = Self::default();
-        for (k, StateChange { at: from, flux }) in changes.iter().enumerate() {
+        if changes.is_empty() && all != BoundaryState::Sticks {
+            found.gaps.push(all);
+        }
+        for (k, StateChange { at: from, state }) in changes.iter().enumerate() {
             let next = &changes[(k + 1) % changes.len()];
-            if flux.is_none() {
+            if *state == BoundaryState::Sticks {
                 found.arcs.push([*from, from + (next.at - from).rem_euclid(turn)]);
-                found.gaps.push(next.flux.expect("a gap follows"));
+                found.gaps.push(next.state);
             }
         }
         found
     }
 
-    /// Flux at a distance along the loop; none where it sticks.
-    pub(in crate::spectral) fn flux(&self, t: f64, turn: f64) -> Option<f64> {
-        if self.arcs.is_empty() {
-            return self.gaps.first().copied();
-        }
-        let mut nearest = (f64::INFINITY, None);
+    /// State at a distance along the loop.
+    pub(in crate::spectral) fn state(&self, t: f64, turn: f64) -> BoundaryState {
+        let alone = self.gaps.first().filter(|_| self.arcs.is_empty());
+        let mut nearest = (f64::INFINITY, alone.copied().unwrap_or(BoundaryState::Sticks));
         for (k, [from, to]) in self.arcs.iter().enumerate() {
             let after = (t - from).rem_euclid(turn);
             if after <= to - from {
-                return None;
+                return BoundaryState::Sticks;
             }
             let beyond = after - (to - from);
             if beyond < nearest.0 {
-                nearest = (beyond, Some(self.gaps[k]));
+                nearest = (beyond, self.gaps[k]);
             }
         }
         nearest.1

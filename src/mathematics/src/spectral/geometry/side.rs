@@ -6,11 +6,11 @@ use crate::problem::complex::Complex;
 use crate::problem::law::Law;
 use crate::spectral::complex::distance;
 
-/// Side of a domain: a segment, or an arc of a circle, with one condition.
+/// Side of a domain: a segment, or an arc of a circle, with one law.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlaneSide {
     pub(in crate::spectral) arc: Arc,
-    /// Condition on it.
+    /// Law on it.
     pub law: Law,
     /// Number of the part of the boundary to which it belongs.
     pub part: usize,

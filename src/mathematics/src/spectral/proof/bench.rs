@@ -5,6 +5,7 @@ pub(super) mod spoilt;
 
 use crate::mesh::Round;
 use crate::problem::formula::Formula;
+use crate::problem::law::BoundaryState::{SlipsDown, SlipsUp};
 use crate::problem::law::Law;
 use crate::spectral::geometry::domain::PlaneDomain;
 use crate::spectral::geometry::ring::RingContact;
@@ -19,7 +20,8 @@ use std::f64::consts::PI;
 
 /// Problems that one fit solves: nothing moves.
 pub(in crate::spectral::proof) fn all_known() -> Vec<BenchProblem> {
-    [discs(), split_discs(), rings(), sectors(), polygons(), bars()].into_iter().flatten().collect()
+    let without_values = [discs(), split_discs(), rings(), sectors(), polygons(), bars()];
+    without_values.into_iter().chain([values()]).flatten().collect()
 }
 
 /// One of them, solved.
@@ -101,7 +103,7 @@ fn split_discs() -> Vec<BenchProblem> {
         PlaneSide::arc(unit, [0.0, PI], Law::FIXED, 0),
         PlaneSide::arc(unit, [PI, 2.0 * PI], Law::SIGNORINI, 1),
     ];
-    let arcs = RingContact { arcs: vec![[4.0, 5.5]], gaps: vec![1.0] };
+    let arcs = RingContact { arcs: vec![[4.0, 5.5]], gaps: vec![SlipsDown] };
     all.push(known(
         "ends of contact on a disc",
         vec![parts],
@@ -128,7 +130,7 @@ fn rings() -> Vec<BenchProblem> {
         "gap round a fixed hole",
         ring(Law::SIGNORINI, Law::FIXED),
         one("else=1"),
-        vec![slips(0.0), sticks()],
+        vec![slips(SlipsUp), sticks()],
         slipping,
     ));
     let slipping = Radial::slipping(3.0, -0.4).energy(-0.4);
@@ -137,7 +139,7 @@ fn rings() -> Vec<BenchProblem> {
         "ring that slips up",
         ring(Law::SIGNORINI, Law::FIXED),
         rubbing,
-        vec![slips(-0.4), sticks()],
+        vec![slips(SlipsUp), sticks()],
         slipping,
     ));
     let slipping = Radial::slipping(-3.0, 0.3).energy(0.3);
@@ -146,7 +148,7 @@ fn rings() -> Vec<BenchProblem> {
         "ring that slips down",
         ring(Law::SIGNORINI, Law::FIXED),
         limited,
-        vec![slips(0.3), sticks()],
+        vec![slips(SlipsDown), sticks()],
         slipping,
     ));
     let free = Radial::insulated(-2.0).energy(0.0);
@@ -161,7 +163,7 @@ fn rings() -> Vec<BenchProblem> {
         "gap round a hole",
         ring(Law::FIXED, Law::SIGNORINI),
         one("else=2"),
-        vec![sticks(), slips(0.0)],
+        vec![sticks(), slips(SlipsUp)],
         free,
     ));
     let held = Radial::held(-2.0).energy(0.0);
@@ -227,8 +229,8 @@ fn bars() -> Vec<BenchProblem> {
     let open = vec![polygon(&bar, &[Law::FIXED, Law::SIGNORINI, Law::SIGNORINI, Law::SIGNORINI])];
     let thin = [[0.0, 0.0], [4.0, 0.0], [4.0, 0.5], [0.0, 0.5]];
     let thin = vec![polygon(&thin, &[Law::FIXED, Law::SIGNORINI, Law::SIGNORINI, Law::SIGNORINI])];
-    all.push(known("thin bar", thin, one("else=1"), vec![slips(0.0)], -1.0 / 12.0));
-    all.push(known("bar with gaps", open, one("else=1"), vec![slips(0.0)], -0.25));
+    all.push(known("thin bar", thin, one("else=1"), vec![slips(SlipsUp)], -1.0 / 12.0));
+    all.push(known("bar with gaps", open, one("else=1"), vec![slips(SlipsUp)], -0.25));
     let rubbing = vec![polygon(&bar, &[Law::FIXED, Law::FREE, Law::SIGNORINI, Law::FREE])];
     // v = 3/4 y - y^2 / 2, 1/4 at the top.
     let energy = 1.5 * (-0.5 * (0.375 - 1.0 / 6.0) + 0.125 * 0.25);
@@ -236,15 +238,108 @@ fn bars() -> Vec<BenchProblem> {
         "bar that slips up",
         rubbing.clone(),
         (friction(0.25), pieces("else=1")),
-        vec![slips(-0.25)],
+        vec![slips(SlipsUp)],
         energy,
     ));
     all.push(known(
         "bar that slips down",
         rubbing,
         (limit(0.25), pieces("else=-1")),
-        vec![slips(0.25)],
+        vec![slips(SlipsDown)],
         energy,
     ));
+    all
+}
+
+/// Friction with a value.
+fn rubs(g: f64, at: f64) -> Law {
+    friction(g).with_at(at).unwrap()
+}
+
+/// Problems of laws with values and given fluxes, and of several laws on one component.
+fn values() -> Vec<BenchProblem> {
+    let mut all = Vec::new();
+    let turn = 2.0 * PI;
+    let lifted = Radial::rising(-4.0, 1.0, 0.0);
+    for (name, laws, f, states, radial, slipped) in [
+        (
+            "ring above a gap",
+            [Law::fixed(1.0).unwrap(), Law::above(0.25, 0.0).unwrap()],
+            "else=-4",
+            [sticks(), slips(SlipsUp)],
+            lifted,
+            0.0,
+        ),
+        (
+            "ring on its gap",
+            [Law::fixed(1.0).unwrap(), Law::above(0.5, 0.0).unwrap()],
+            "else=-4",
+            [sticks(), sticks()],
+            Radial::between(-4.0, [1.0, 0.5]),
+            0.0,
+        ),
+        (
+            "ring above a gap with a flux",
+            [Law::fixed(1.0).unwrap(), Law::above(-0.5, -0.25).unwrap()],
+            "else=-4",
+            [sticks(), slips(SlipsUp)],
+            Radial::rising(-4.0, 1.0, -0.25),
+            -0.25 * turn * (Radial::rising(-4.0, 1.0, -0.25).at(1.0)[0] + 0.5),
+        ),
+        (
+            "ring with a given flux",
+            [Law::fixed(-0.75).unwrap(), Law::free(-1.5).unwrap()],
+            "else=2",
+            [sticks(), sticks()],
+            Radial::rising(2.0, -0.75, -1.5),
+            -1.5 * turn * Radial::rising(2.0, -0.75, -1.5).at(1.0)[0],
+        ),
+        (
+            "hole below a gap",
+            [Law::below(0.3, 0.4).unwrap(), Law::fixed(-0.2).unwrap()],
+            "else=3",
+            [slips(SlipsDown), sticks()],
+            Radial::falling(3.0, 0.4, -0.2),
+            0.4 * 0.5 * turn * (Radial::falling(3.0, 0.4, -0.2).at(0.5)[0] - 0.3),
+        ),
+        (
+            "hole that slips down in a ring in contact",
+            [friction(0.4), Law::SIGNORINI],
+            "else=-2",
+            [slips(SlipsDown), sticks()],
+            Radial::falling(-2.0, 0.4, 0.0),
+            0.4 * 0.5 * turn * Radial::falling(-2.0, 0.4, 0.0).at(0.5)[0],
+        ),
+        (
+            "hole that slips up from a value",
+            [rubs(0.25, 0.125), rubs(2.0, -0.125)],
+            "else=4",
+            [slips(SlipsUp), sticks()],
+            Radial::falling(4.0, -0.25, -0.125),
+            -0.25 * 0.5 * turn * (Radial::falling(4.0, -0.25, -0.125).at(0.5)[0] - 0.125),
+        ),
+    ] {
+        let energy = radial.inner_energy() - slipped;
+        let [inner, outer] = states;
+        let [of_hole, own] = laws;
+        all.push(known(name, ring(own, of_hole), one(f), vec![outer, inner], energy));
+    }
+    // v = r^2 / 4 + 3/10 - 1/4, with a flux of 1/2 that both laws allow.
+    let unit = Round::sphere([0.0; 2], 1.0);
+    let halves = vec![
+        PlaneSide::arc(unit, [0.0, PI], Law::above(0.3, 0.0).unwrap(), 0),
+        PlaneSide::arc(unit, [PI, turn], rubs(0.6, 0.3), 1),
+    ];
+    let energy = 0.3 * PI - PI / 16.0;
+    all.push(known("disc under two laws", vec![halves], one("else=-1"), vec![sticks()], energy));
+    let bar = [[0.0, 0.0], [1.5, 0.0], [1.5, 1.0], [0.0, 1.0]];
+    let free = Law::FREE;
+    let laws = [Law::fixed(-0.5).unwrap(), free, Law::fixed(1.0).unwrap(), free];
+    let open = vec![polygon(&bar, &laws)];
+    all.push(known("bar between values", open, one("else=0"), vec![sticks()], 0.75 * 2.25));
+    let laws = [Law::fixed(2.0).unwrap(), free, Law::free(0.3).unwrap(), free];
+    let open = vec![polygon(&bar, &laws)];
+    let energy = 1.5 * (0.045 - 0.3 * 2.3);
+    all.push(known("bar with a given flux", open, one("else=0"), vec![sticks()], energy));
     all
 }

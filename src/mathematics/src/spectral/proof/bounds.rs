@@ -1,32 +1,41 @@
 //! Two bounds of the energy. Since `-Lap v = f` holds exactly, only conditions on the boundary are violated, by what is
-//! seen there.
+//! seen there. Where dv/dn should be q, the energy has `-q (v - at)`; of a free side, on which v takes any value, `at`
+//! is 0.
 //!
 //! # Method
 //! With l = dv/dn, the energy that is printed is
 //! ```text
-//! J = 1/2 oint v l - 1/2 int f v - int q v - int v l,     where dv/dn should be q, and where v should be zero.
+//! J = 1/2 oint v l - 1/2 int f v - int q (v - at) - int (v - at) l,
 //! ```
-//! *Upper.* Let delta be at least |v| where v should be zero, and -v where it should be positive. On the boundary let w
-//! be v moved towards zero by delta, or to it; on free sides v less a linear function between the values of v - w at
-//! the splits. Then w is zero where it must be and has the sign that belongs to q, and with an extension W of w - v
+//! the third integral over where dv/dn should be q, the last one over where v should be `at`.
+//!
+//! *Upper.* Let delta be at least |v - at| where v should be `at`, and at - v where it should be above. On the boundary
+//! let w be v moved towards `at` by delta, or to it; on free sides v less a linear function between the values of v - w
+//! at the splits. Then w is `at` where it must be and on the side of it that belongs to q, and with an extension W of
+//! w - v
 //! ```text
 //! J(v + W) = J(v) + oint l W + 1/2 int |grad W|^2 + ... = J + int (l - q) W + 1/2 int |grad W|^2,
 //! ```
 //! which is at most `J + delta int |l - q| + 1/2 int |grad W|^2`, the integral over where dv/dn should be q.
 //!
+//! Since sides that meet have one value, or one of them is free, w has one value in their corner.
+//!
 //! *Lower.* Let eta take the flux into the law: `eta = q - l` where dv/dn should be q, the violation where v should be
-//! zero, and there also a constant that makes `oint eta = 0` on each loop, on a part where there is room in the law.
+//! `at`, and there also a constant that makes `oint eta = 0` on each loop, on a part where there is room in the law.
 //! With an extension E of `H = int eta ds`, `p = grad v + rot E` has `-div p = f` and `p.n = l + eta`, so that
 //! ```text
-//! J(u) >= -1/2 int |p|^2 = -1/2 int |grad v|^2 - oint v eta - 1/2 int |grad E|^2,
-//!       = J - int v eta - 1/2 int |grad E|^2,     int |grad v|^2 = oint v l + int f v,
+//! J(u) >= oint at (p.n) - 1/2 int |p|^2
+//!       = oint at (l + eta) - 1/2 int |grad v|^2 - oint v eta - 1/2 int |grad E|^2
+//!       = J - int (v - at) eta - 1/2 int |grad E|^2,     int |grad v|^2 = oint v l + int f v,
 //! ```
-//! the integral over where v should be zero, hence |v| <= delta. A hole on which v should be zero nowhere is balanced
+//! the last integral over where v should be `at`, hence |v - at| <= delta. A hole on which v should be `at` nowhere is
+//! balanced
 //! by a multiple of `log |z - middle|` that is added to v.
 //!
 //! So both bounds are J but for terms that are quadratic in what the conditions miss; [`extension`](super::extension)
 //! bounds the two Dirichlet integrals, [`samples`](super::samples) all quantities between points, and
-//! [`exact_energy`](super::exact_energy) the error of J. Since J(0) = 0, the upper bound is at most zero.
+//! [`exact_energy`](super::exact_energy) the error of J. If all `at` are zero, J(0) = 0, and the upper bound is at most
+//! zero.
 //!
 //! *Another f.* Where `-Lap psi` is not f but differs from it by g, as for a formula whose coefficients are rounded or
 //! curves that count as one, J above is that of the other function. The setup comes with bounds of the integral of |g|
@@ -57,14 +66,16 @@ pub(in crate::spectral) fn bracket(
     found: &PlaneFound,
 ) -> Result<PlaneBracket, &'static str> {
     let proved = proved(setup, found)?;
-    // J(0) = 0.
-    Ok(PlaneBracket { upper: proved.upper.min(0.0), ..proved })
+    // J(0) = 0 without values of laws.
+    let least = if setup.domain.has_values() { f64::INFINITY } else { 0.0 };
+    Ok(PlaneBracket { upper: proved.upper.min(least), ..proved })
 }
 
 /// Reason for which there is no answer: neither a bracket nor an energy that rounding leaves as it is.
 pub(in crate::spectral) const ROUNDED: &str = "an energy with fewer errors by rounding";
 
-/// Error of the energy by rounding, over the energy, above which an energy without a bracket is none.
+/// Error of the energy by rounding, over half of the integral of |grad v|^2, above which an energy without a bracket is
+/// none.
 const ROUGH: f64 = 1e-6;
 
 /// Both ends by the argument above, with what most of their distance comes from.
@@ -98,7 +109,7 @@ pub(super) fn proved(setup: &Setup, found: &PlaneFound) -> Result<PlaneBracket, 
     let distances = Distances::new(&proof, &samples, &left);
     let balance = FluxBalance::new(&proof, &samples, &left, found.sizes.flux);
     // Without a bracket nothing would say how far the energy is off.
-    let is_rough = exact.error > ROUGH * exact.energy.abs();
+    let is_rough = exact.error > ROUGH * exact.size();
     let balance = balance.map_err(|step| if is_rough { ROUNDED } else { step })?;
     let near = left.iter().fold(0.0f64, |most, own| most.max(own.variation));
     let of_w = room.integral(&cells, [distances.range(), near], &distances.slopes);
@@ -116,10 +127,29 @@ pub(super) fn proved(setup: &Setup, found: &PlaneFound) -> Result<PlaneBracket, 
         terms.into_iter().max_by(|one, other| one.1.total_cmp(&other.1)).unwrap_or_default();
     let [lower, upper] = both;
     if lower.is_finite() && upper.is_finite() {
-        Ok(PlaneBracket { energy: exact.energy, lower, upper, cause })
+        let gradient = setup.domain.has_values().then(|| {
+            let missed = exact.size_error(balance.missed, largest(&samples));
+            least_gradient([exact.size(), missed], upper - lower)
+        });
+        let (energy, size) = (exact.energy, exact.size());
+        Ok(PlaneBracket { energy, size, lower, upper, gradient, cause })
     } else {
         Err("bounds of v next to corners")
     }
+}
+
+/// Lower bound of the norm of grad u, from half of the square of that of grad v with its error and the width of the
+/// bracket: half of the squares of the norms of grad (u - v - W) and of grad W are no larger than that.
+fn least_gradient([size, error]: [f64; 2], width: f64) -> f64 {
+    let of_v = (2.0 * (size - error).max(0.0)).sqrt();
+    (of_v - 2.0 * (2.0 * width).sqrt()).max(0.0)
+}
+
+/// Bound of |v| and of |v - at| on the boundary.
+fn largest(samples: &[Sampled]) -> f64 {
+    samples.iter().fold(0.0, |most, own| {
+        most.max(own.most(Test::of(Quantity::Value)) + own.nodes[0].law.at().abs())
+    })
 }
 
 /// Effect on the bounds of what `-Lap psi` differs from f.
@@ -181,6 +211,12 @@ fn leftovers(proof: &Proof, samples: &[Sampled]) -> Vec<Leftover> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_gradient_is_that_of_v_less_what_the_bracket_leaves() {
+        assert!((least_gradient([2.01, 0.01], 0.005) - 1.8).abs() < 1e-15);
+        assert_eq!(least_gradient([1e-3, 2e-3], 0.0), 0.0);
+    }
 
     #[test]
     fn ends_are_those_of_the_argument() {

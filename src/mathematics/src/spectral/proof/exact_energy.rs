@@ -25,6 +25,8 @@ use crate::spectral::source::psi::Psi;
 pub(super) struct BoundedEnergy {
     pub energy: f64,
     pub error: f64,
+    /// Integral of `at` dv/dn over the boundary.
+    pub(super) given: f64,
     /// Integral of dv/dn over the boundary plus that of f, which is zero.
     pub(super) balance: f64,
     /// Bound of the error of that.
@@ -57,6 +59,7 @@ pub(super) fn bounded_energy(
         let integrals = Integrals::on_boundary(proof.setup, proof.fit, &own.nodes);
         let green: f64 = own.nodes.iter().zip(&nodes).map(|(v, h)| h.term(v)).sum();
         sum.energy += integrals.energy() + green;
+        sum.given += integrals.given;
         sum.add_balance(proof, own, integrals);
         sum.add_rounding(proof, own, &nodes);
         sum.error += own.own.cell.gauss_error(modulus(proof, own, h));
@@ -109,7 +112,8 @@ impl Leftover {
         let joined = joined.map(|own| 4.0 * own.crossing.change.abs() * own.offset * own.offset);
         let variation = terms.sum::<f64>() + joined.sum::<f64>();
         let (node, size) = (&own.nodes[0], EnergyFactors::of(proof, own));
-        let value = node.value.abs() + node.psi.abs() + variation + size.rate * least;
+        let known = node.value.abs() + node.law.at().abs() + node.psi.abs();
+        let value = known + variation + size.rate * least;
         let flux = variation + size.rate * least;
         let integrals = 4.0 * value * flux + size.constants * least;
         Self { interval: own.own.interval, variation, integrals, around: value * least + flux }
@@ -119,6 +123,8 @@ impl Leftover {
 /// Factors of the bound of the integrand of the energy.
 struct EnergyFactors {
     constants: f64,
+    /// Modulus of the value of the law.
+    at: f64,
     /// Bound of slopes but that of v.
     rate: f64,
 }
@@ -138,12 +144,13 @@ impl EnergyFactors {
             }
             Psi::Jumps(_) => 2.0 * f * far * (value + far * slope + f * far * far),
         };
-        Self { constants, rate: slope + q }
+        Self { constants, at: interval.law.at().abs(), rate: slope + q }
     }
 }
 
-/// Bound of the integrand of the energy on the ellipse of a cell, in its variable: each of its terms is v or psi times
-/// a slope of v or psi, or f times psi and powers of the distance from the middle; with that of Green's identity for h.
+/// Bound of the integrand of the energy on the ellipse of a cell, in its variable: each of its terms is v, psi or the
+/// value of the law times a slope of v or psi, or f times psi and powers of the distance from the middle; with that of
+/// Green's identity for h.
 fn modulus(proof: &Proof, own: &Sampled, h: Moduli) -> f64 {
     let (cell, moduli) = (&own.own.cell, &own.moduli);
     let r = if cell.is_log { cell.distances[1] } else { 1.0 };
@@ -152,7 +159,9 @@ fn modulus(proof: &Proof, own: &Sampled, h: Moduli) -> f64 {
     let size = EnergyFactors::of(proof, own);
     // The normal of an arc, continued, is longer than 1.
     let green = h.value * slope + 1.8 * h.slope * value * r;
-    4.0 * (value + moduli.psi.value) * (slope + size.rate * r) + size.constants * r + green
+    4.0 * (value + size.at + moduli.psi.value) * (slope + size.rate * r)
+        + size.constants * r
+        + green
 }
 
 /// Bounds of the integrand of the energy that belongs to a change of f by 1 at a point of the boundary, and of its
@@ -187,6 +196,17 @@ fn jumps(psi: &Psi, z: Complex) -> f64 {
 }
 
 impl BoundedEnergy {
+    /// Half of the integral of |grad v|^2.
+    pub(super) fn size(&self) -> f64 {
+        (self.given - self.energy).abs()
+    }
+
+    /// Error of that, from bounds of the integral of the flux that is missed and of |v - at|: in the integral of `at`
+    /// times l less the energy, q stands for l where dv/dn should be q.
+    pub(super) fn size_error(&self, missed: f64, largest: f64) -> f64 {
+        self.error + largest * (missed + self.unbalanced)
+    }
+
     /// Adds the integrals of dv/dn and of f on a cell, with a bound of their errors.
     fn add_balance(&mut self, proof: &Proof, own: &Sampled, integrals: Integrals) {
         let cell = &own.own.cell;
@@ -253,14 +273,16 @@ impl BoundedEnergy {
 
     /// Adds the error of the integrals of a cell by rounding of v, psi and their slopes.
     ///
-    /// The integrand of the energy is `1/2 (v (s l + psi_n - 2 q) - psi l - f psi)` with s = -1 where v should be zero
-    /// and 1 elsewhere, in which `int f psi` is an integral of `f (1/2 psi (x.n) - p psi_n - 1/4 f p (x.n))`, p =
-    /// |x|^2 / 4; that of Green's identity is `1/2 (h_n (v - psi) - h (l - psi_n))`.
+    /// The integrand of the energy is `1/2 (v (s l + psi_n - 2 q) - psi l - f psi) + at m` with s = -1, m = l and q = 0
+    /// where v should be `at`, and s = 1 and m = q elsewhere, in which `int f psi` is an integral of
+    /// `f (1/2 psi (x.n) - p psi_n - 1/4 f p (x.n))`, p = |x|^2 / 4; that of Green's identity is
+    /// `1/2 (h_n (v - psi) - h (l - psi_n))`.
     fn add_rounding(&mut self, proof: &Proof, own: &Sampled, harmonic: &[HarmonicNode]) {
         let (cell, interval) = (&own.own.cell, &proof.fit.walk.intervals[own.own.interval]);
-        let (sign, q) = match interval.state {
-            State::Held => (-1.0, 0.0),
-            State::Flux(q) => (1.0, q),
+        let at = interval.law.at();
+        let (sign, q, held) = match interval.state {
+            State::Held => (-1.0, 0.0, at),
+            State::Flux(q) => (1.0, q, 0.0),
         };
         let f = of_f(&proof.setup.jumps.psi, interval.f, cell.disc);
         // Weights in log r.
@@ -275,7 +297,7 @@ impl BoundedEnergy {
             let square = 0.25 * (z - proof.setup.centre).norm2();
             let far = z.norm().max(2.0 * square.sqrt());
             let by_value = 0.5 * (sign * l + node.psi_flux - 2.0 * q + h.flux).abs() + slope;
-            let by_slope = 0.5 * (sign * v - node.psi - h.value).abs();
+            let by_slope = 0.5 * (sign * v + 2.0 * held - node.psi - h.value).abs();
             // Derivatives, terms and rounding of the part of the energy that is an integral of f and psi alone.
             let [of_psi, of_slope, of_f, rounded] = match &proof.setup.jumps.psi {
                 Psi::Jumps(_) => {
@@ -291,6 +313,7 @@ impl BoundedEnergy {
             let by_psi = 0.5 * ((l + h.flux).abs() + of_psi);
             let by_psi_slope = 0.5 * ((v + h.value).abs() + of_slope);
             let terms = v.abs() * (1.5 * l.abs() + 0.5 * node.psi_flux.abs() + q.abs())
+                + at.abs() * (l.abs() + q.abs())
                 + 0.5 * (node.psi.abs() * l.abs() + of_f)
                 + 0.5 * (h.flux * g).abs()
                 + 0.5 * (h.value * rate).abs();

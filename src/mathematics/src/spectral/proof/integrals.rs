@@ -3,7 +3,7 @@
 //! All is on the boundary and on jumps:
 //! ```text
 //! int f v = int f psi + oint (psi l - v psi_n),     int f psi for each piece of f by a quadratic function:
-//! J(v)    = 1/2 oint v l - 1/2 int f v - int over gaps of q v.
+//! J(v)    = 1/2 oint v l - 1/2 int f v - int over gaps of q (v - at).
 //! ```
 //! on the boundary by `|x|^2 / 4` from the middle of the domain, along jumps by
 //! [`quadratic`](crate::spectral::source::quadratic).
@@ -11,8 +11,9 @@
 //! A crossing of f that is joined with a split has f of another interval on the piece between both; the change is
 //! added, by the integrand in the middle of the piece ([`JoinedPiece`]).
 //!
-//! J(v) less the integral of v l where v should be zero, which is called the energy, has an error that is quadratic in
-//! the residual.
+//! J(v) less the integral of (v - at) l where v should be `at`, which is called the energy, has an error that is
+//! quadratic in the residual. Half of the integral of |grad v|^2 is the integral of `at` times l less the energy, but
+//! for such an error.
 
 use crate::problem::complex::Complex;
 use crate::spectral::fit::Fit;
@@ -34,10 +35,12 @@ pub(super) struct Integrals {
     work: f64,
     /// Integral of v dv/dn over the boundary.
     flux_work: f64,
-    /// That where v should be zero.
+    /// Integral of (v - at) dv/dn where v should be `at`.
     held: f64,
-    /// Integral of q v where dv/dn should be q.
+    /// Integral of q (v - at) where dv/dn should be q.
     slipping: f64,
+    /// Integral of `at` dv/dn over the boundary.
+    pub given: f64,
 }
 
 impl Integrals {
@@ -66,15 +69,16 @@ impl Integrals {
                     sums.work += weight * z.dot(node.normal()) * f.radial_with_psi(z);
                 }
             }
+            sums.given += weight * node.law.at() * node.flux;
             match node.state {
-                State::Held => sums.held += weight * node.value * node.flux,
-                State::Flux(q) => sums.slipping += weight * q * node.value,
+                State::Held => sums.held += weight * node.above() * node.flux,
+                State::Flux(q) => sums.slipping += weight * q * node.above(),
             }
         }
         sums
     }
 
-    /// J(v), less the integral of v l where v should be zero.
+    /// J(v), less the integral of (v - at) l where v should be `at`.
     pub(super) fn energy(&self) -> f64 {
         0.5 * self.flux_work - 0.5 * self.work - self.slipping - self.held
     }

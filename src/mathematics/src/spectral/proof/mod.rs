@@ -4,9 +4,10 @@
 //! broken to see that they do.
 //!
 //! # Statement
-//! Given are a domain with straight and circular sides, f (constant on pieces, or a polynomial), a law `lo <= dv/dn <=
-//! hi` on some sides, v = 0 or dv/dn = 0 on others; u minimises the energy J, and J(u) is what the two ends hold. They
-//! are made from any function `v = psi + Re g` of the form below, right or not: nothing of how v was found is used.
+//! Given are a domain with straight and circular sides, f (constant on pieces, or a polynomial), and a law of constants
+//! on each side, a value `at` and an interval `lo <= dv/dn <= hi`, the same value where sides meet that are not free; u
+//! minimises the energy J, and J(u) is what the two ends hold. They are made from any function `v = psi + Re g` of the
+//! form below, right or not: nothing of how v was found is used.
 //!
 //! 1. *Data.* The curves, points and values of the setup are those of the statement but for rounding of coordinates by
 //!    two units in the last place, which counts as an error of the energy (step 7). A crossing of f that is joined
@@ -35,10 +36,10 @@
 //!    plus that error, plus 28 times the largest rounding error at the points, 28 being no less than the norm of the
 //!    interpolation ([`samples`]). Tests: `samples::tests`, with functions that vanish at all points, with errors at
 //!    each of them, and against 45 points of each cell.
-//! 5. *What v misses* ([`residual`]). delta bounds |v| where v should be zero and the part of v with the wrong sign;
-//!    eta is what takes the flux into the law, `q - l` on gaps, and on each loop a constant on a part with room makes
-//!    `oint eta = 0`. On a loop on which v should be zero nowhere a logarithm does so that is added to v: of the hole
-//!    itself, or, for the outer loop, of a hole on which v should be zero somewhere. Tests: `residual::tests`.
+//! 5. *What v misses* ([`residual`]). delta bounds |v - at| where v should be `at` and the part of v - at with the
+//!    wrong sign; eta is what takes the flux into the law, `q - l` on gaps, and on each loop a constant on a part with
+//!    room makes `oint eta = 0`. On a loop on which v should be `at` nowhere a logarithm does so that is added to v: of
+//!    the hole itself, or, for the outer loop, of a hole on which v should be `at` somewhere. Tests: `residual::tests`.
 //! 6. *Extensions* ([`extension`]). With W equal to the step from v to an admissible function on the boundary, and E to
 //!    `H = int eta ds`, which has a constant of its own on each loop,
 //!    ```text
@@ -55,7 +56,7 @@
 //!    with shapes down to 1e-9 of the domain.
 //! 8. *Both ends* ([`bounds`]):
 //!    ```text
-//!    lower = J - error - delta int |eta| - 1/2 int |grad E|^2,     over where v should be zero,
+//!    lower = J - error - delta int |eta| - 1/2 int |grad E|^2,     over where v should be `at`,
 //!    upper = J + error + delta int |l - q| + 1/2 int |grad W|^2,   over where dv/dn should be q.
 //!    ```
 //!    Tests: `tests::brackets`, more than twenty problems whose energies are known, each spoilt by harmonic functions
@@ -121,8 +122,12 @@ pub(crate) struct PlaneBracket {
     pub energy: f64,
     /// Lower bound.
     pub lower: f64,
-    /// Upper bound, at most zero.
+    /// Upper bound, at most that of v = 0 if no law has a value.
     pub upper: f64,
+    /// Half of the integral of |grad v|^2, by those integrals: the modulus of the energy if no law has a value.
+    pub size: f64,
+    /// Lower bound of the L2 norm of grad u; none if no law has a value, where it follows from the upper bound.
+    pub gradient: Option<f64>,
     /// Name of the largest term of their distance.
     pub cause: &'static str,
 }
@@ -133,10 +138,10 @@ impl PlaneBracket {
         [self.lower, self.upper]
     }
 
-    /// Distance of the bounds over the energy.
+    /// Distance of the bounds over half of the integral of |grad v|^2.
     pub(crate) fn relative(&self) -> f64 {
         let width = self.upper - self.lower;
-        if width > 0.0 { width / self.energy.abs() } else { 0.0 }
+        if width > 0.0 { width / self.size } else { 0.0 }
     }
 }
 

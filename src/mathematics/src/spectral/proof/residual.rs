@@ -4,23 +4,18 @@
 use super::Proof;
 use super::exact_energy::Leftover;
 use super::samples::{Deficit, Quantity, Sampled, Test};
+use crate::problem::law::Law;
 use crate::spectral::fit::field::Sizes;
-use crate::spectral::geometry::boundary::State;
+use crate::spectral::geometry::boundary::{State, sign};
 use std::f64::consts::TAU;
 
-/// Sign of v that belongs to a flux at an end of the law.
-fn sign(proof: &Proof, q: f64) -> f64 {
-    if q == proof.setup.law.hi() { -1.0 } else { 1.0 }
+/// Test of v being on the side of the value of a law that belongs to a flux.
+fn signed(law: Law, q: f64) -> Test {
+    Test { quantity: Quantity::Value, sign: sign(law, q), constant: law.at() }
 }
 
-/// Test of v having the sign that belongs to a flux.
-fn signed(proof: &Proof, q: f64) -> Test {
-    Test { quantity: Quantity::Value, sign: sign(proof, q), constant: 0.0 }
-}
-
-/// Violation of the law by the flux on a cell, where v should be zero.
-fn violation(proof: &Proof, own: &Sampled) -> Deficit {
-    let law = proof.setup.law;
+/// Violation of the law by the flux on a cell, where v should have its value.
+fn violation(law: Law, own: &Sampled) -> Deficit {
     let mut sum = Deficit { most: 0.0, integral: 0.0, scaled: 0.0, room: f64::INFINITY };
     for (sign, constant) in [(1.0, law.lo()), (-1.0, law.hi())] {
         if constant.is_finite() {
@@ -34,10 +29,10 @@ fn violation(proof: &Proof, own: &Sampled) -> Deficit {
     sum
 }
 
-/// Flux and condition of a cell.
-fn condition(proof: &Proof, own: &Sampled) -> (State, bool) {
+/// Condition of a cell, and the law that says so.
+fn condition(proof: &Proof, own: &Sampled) -> (State, Law) {
     let interval = &proof.fit.walk.intervals[own.own.interval];
-    (interval.state, interval.lawful)
+    (interval.state, interval.law)
 }
 
 /// True if signs on a cell are not certain, and matter.
@@ -48,12 +43,12 @@ pub(super) fn uncertain(proof: &Proof, own: &Sampled, sizes: Sizes) -> bool {
     const STEEP: f64 = 1e-7;
     let small = SMALL * sizes.value;
     match condition(proof, own) {
-        (State::Held, true) => {
-            violation(proof, own).integral > small.max(8.0 * own.noise(Quantity::Flux))
+        (State::Held, law) if law.may_move() => {
+            violation(law, own).integral > small.max(8.0 * own.noise(Quantity::Flux))
         }
-        (State::Flux(q), true) => {
+        (State::Flux(q), law) if law.may_move() => {
             let small = small.max(8.0 * own.noise(Quantity::Value));
-            let deficit = own.deficit(signed(proof, q));
+            let deficit = own.deficit(signed(law, q));
             deficit.most > small
                 || deficit.room < 10.0 * small
                     && own.most(Test::of(Quantity::Slope)) > STEEP * sizes.value
@@ -62,8 +57,8 @@ pub(super) fn uncertain(proof: &Proof, own: &Sampled, sizes: Sizes) -> bool {
     }
 }
 
-/// Coefficients of logarithms that balance the flux of loops on which v should be zero nowhere: of a hole by its own,
-/// of the outer loop by that of the first hole on which v should be zero somewhere.
+/// Coefficients of logarithms that balance the flux of loops on which v should have a value nowhere: of a hole by its
+/// own, of the outer loop by that of the first hole on which v should have one somewhere.
 pub(super) fn hole_logs(proof: &Proof, samples: &[Sampled]) -> Vec<f64> {
     let excess: Vec<Option<f64>> =
         (0..proof.setup.domain.rings.len()).map(|ring| excess(samples, ring)).collect();
@@ -75,7 +70,7 @@ pub(super) fn hole_logs(proof: &Proof, samples: &[Sampled]) -> Vec<f64> {
     logs
 }
 
-/// Integral of the flux less what it should be on a loop; none if v should be zero somewhere on it.
+/// Integral of the flux less what it should be on a loop; none if v should have a value somewhere on it.
 fn excess(samples: &[Sampled], ring: usize) -> Option<f64> {
     let mut excess = 0.0;
     let own = samples.iter().filter(|own| own.nodes[0].ring == ring);
@@ -88,7 +83,8 @@ fn excess(samples: &[Sampled], ring: usize) -> Option<f64> {
 
 /// Distance of v from what it should be.
 pub(super) struct Distances {
-    /// Bound of |v| where it should be zero, and of that part of v that has the wrong sign.
+    /// Bound of the distance of v from the value of the law where it should have that, and of that part of v that is on
+    /// the wrong side of it.
     pub delta: f64,
     /// Bounds of the slope of W, cell by cell; in log r times r.
     pub slopes: Vec<f64>,
@@ -105,12 +101,15 @@ impl Distances {
         let (mut delta, mut rooms) = (0.0f64, Vec::with_capacity(samples.len()));
         for own in samples {
             let (most, room) = match condition(proof, own) {
-                (State::Held, _) => (own.most(Test::of(Quantity::Value)), 0.0),
-                (State::Flux(q), true) => {
-                    let deficit = own.deficit(signed(proof, q));
+                (State::Held, law) => {
+                    let test = Test { constant: law.at(), ..Test::of(Quantity::Value) };
+                    (own.most(test), 0.0)
+                }
+                (State::Flux(q), law) if law.may_move() => {
+                    let deficit = own.deficit(signed(law, q));
                     (deficit.most, deficit.room)
                 }
-                (State::Flux(_), false) => (0.0, 0.0),
+                (State::Flux(_), _) => (0.0, 0.0),
             };
             delta = delta.max(most);
             rooms.push(room);
@@ -121,8 +120,8 @@ impl Distances {
             let interval = &proof.fit.walk.intervals[own.own.interval];
             let r = if own.own.cell.is_log { own.own.cell.span[1] } else { 1.0 };
             slopes.push(match condition(proof, own) {
-                (State::Flux(_), false) => 2.0 * delta / interval.length * r,
-                (State::Flux(_), true) if room >= delta => 0.0,
+                (State::Flux(_), law) if law.is_free() => 2.0 * delta / interval.length * r,
+                (State::Flux(_), _) if room >= delta => 0.0,
                 _ => own.most(Test::of(Quantity::Slope)),
             });
         }
@@ -136,7 +135,7 @@ pub(super) struct FluxBalance {
     pub range: f64,
     /// Bounds of eta, cell by cell; in log r times r.
     pub slopes: Vec<f64>,
-    /// Bound of the integral of |eta| where v should be zero.
+    /// Bound of the integral of |eta| where v should have the value of the law.
     pub moved: f64,
     /// Bound of the integral of |l - q| where the flux should be q.
     pub missed: f64,
@@ -177,8 +176,8 @@ impl Eta {
         eta
     }
 
-    /// Eta where v should be zero under the law; a constant may be added on a loop that is not `fixed`, if the room of
-    /// the flux is more than `least`.
+    /// Eta where v should have the value of the law; a constant may be added on a loop that is not `fixed`, if the room
+    /// of the flux is more than `least`.
     fn under_law(law: &Deficit, own: &Sampled, least: f64, fixed: bool) -> Self {
         let cell = &own.own.cell;
         let (most, unknown) = (law.integral, law.integral);
@@ -187,7 +186,7 @@ impl Eta {
         Self { most, unknown, slope, open: if is_open { cell.length() } else { 0.0 }, known: 0.0 }
     }
 
-    /// Eta where v is fixed at zero, whatever the flux.
+    /// Eta where v is fixed, whatever the flux.
     fn where_fixed(own: &Sampled) -> Self {
         let cell = &own.own.cell;
         Self { open: if cell.is_log { 0.0 } else { cell.length() }, ..Self::default() }
@@ -252,9 +251,9 @@ impl FluxBalance {
                     balance.missed += eta.most;
                     eta
                 }
-                (State::Held, false) => Eta::where_fixed(own),
-                (State::Held, true) => {
-                    let law = violation(proof, own);
+                (State::Held, law) if law.is_fixed() => Eta::where_fixed(own),
+                (State::Held, law) => {
+                    let law = violation(law, own);
                     balance.moved += law.integral;
                     Eta::under_law(&law, own, ROOM * flux, fixed[own.nodes[0].ring])
                 }
@@ -282,7 +281,7 @@ impl FluxBalance {
 fn fixed_loops(proof: &Proof) -> Vec<bool> {
     let mut fixed = vec![false; proof.setup.domain.rings.len()];
     for own in &proof.fit.walk.intervals {
-        fixed[own.ring] |= own.state == State::Held && !own.lawful;
+        fixed[own.ring] |= own.state == State::Held && own.law.is_fixed();
     }
     fixed
 }

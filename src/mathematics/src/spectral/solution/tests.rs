@@ -6,7 +6,7 @@ use super::super::geometry::side::PlaneSide;
 use super::super::source::polynomial::Polynomial;
 use super::*;
 use crate::problem::formula::Formula;
-use crate::problem::law::Law;
+use crate::problem::law::{BoundaryState, Law};
 use crate::spectral::geometry::frame::Frame;
 use crate::spectral::geometry::ring::RingContact;
 use crate::spectral::source::{PlaneSource, RegionBorder, Regions};
@@ -16,6 +16,7 @@ mod bends;
 mod changes;
 mod narrow;
 mod small;
+mod values;
 
 const LSHAPE: [[f64; 2]; 6] =
     [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [0.0, -1.0]];
@@ -34,19 +35,22 @@ fn triangle() -> PlaneDomain {
     polygon(&[[0.0, 0.0], [1.3, 0.1], [0.4, 1.1]])
 }
 
-/// Start from points near the ends of arcs, loop by loop, with a flux on all gaps of a loop.
-fn start(domain: &PlaneDomain, loops: &[(&[[f64; 2]], f64)]) -> PlaneStart {
+/// Start from points near the ends of arcs, loop by loop, with gaps on which v slips up.
+fn start(domain: &PlaneDomain, loops: &[&[[f64; 2]]]) -> PlaneStart {
     let near = |[x, y]: [f64; 2]| {
         let (ring, place) = domain.nearest(Complex::new(x, y));
         domain.rings[ring].along(place)
     };
     let mut contact = Vec::new();
-    for ((ends, flux), ring) in loops.iter().zip(&domain.rings) {
+    for (ends, ring) in loops.iter().zip(&domain.rings) {
         let arcs = ends.chunks(2).map(|pair| {
             let [from, to] = [near(pair[0]), near(pair[1])];
             [from, if to <= from { to + ring.length() } else { to }]
         });
-        contact.push(RingContact { arcs: arcs.collect(), gaps: vec![*flux; ends.len() / 2] });
+        contact.push(RingContact {
+            arcs: arcs.collect(),
+            gaps: vec![BoundaryState::SlipsUp; ends.len() / 2],
+        });
     }
     PlaneStart { contact, spacing: 1e-3 }
 }
@@ -57,8 +61,8 @@ fn pieces(f: &str) -> PlaneSource {
 
 /// Solves a problem with one loop under the paper's law; checks the bracket and the ends.
 fn solved(domain: PlaneDomain, source: PlaneSource, ends: &[[f64; 2]]) -> TrueSolution {
-    let start = start(&domain, &[(ends, 0.0)]);
-    let problem = PlaneProblem { domain, law: Law::SIGNORINI, source };
+    let start = start(&domain, &[ends]);
+    let problem = PlaneProblem { domain, source };
     let found = solve(&problem, &start, &mut Effort::default()).unwrap();
     let [lower, upper] = found.bracket.unwrap();
     assert!(lower <= found.energy && found.energy <= upper, "{lower} {} {upper}", found.energy);
@@ -138,8 +142,8 @@ fn a_formula_of_degree_sixteen_has_a_bracket_that_holds_the_known_energy() {
     let along = 256.0 * 2.0 / 31.0 * 16.0 / 15.0;
     let across = 8.0 / 3.0 * 2.0 * (1.0 - 2.0 / 17.0 + 1.0 / 33.0);
     let known: f64 = -0.5 * (along + across);
-    let start = start(&domain, &[(&[], 0.0)]);
-    let problem = PlaneProblem { domain, law: Law::SIGNORINI, source };
+    let start = start(&domain, &[&[]]);
+    let problem = PlaneProblem { domain, source };
     let found = solve(&problem, &start, &mut Effort::default()).unwrap();
     let [lower, upper] = found.bracket.unwrap();
     // Sums of the moduli of terms, by which rounding is bounded, are far above the values.
@@ -151,10 +155,9 @@ fn a_formula_of_degree_sixteen_has_a_bracket_that_holds_the_known_energy() {
 
 #[test]
 fn without_f_nothing_moves_under_friction() {
-    let law = Law::friction(2.0).unwrap();
-    let domain = lshape();
-    let start = start(&domain, &[(&[], 0.0)]);
-    let problem = PlaneProblem { domain, law, source: pieces("else=0") };
+    let domain = lshape().with_law(Law::friction(2.0).unwrap());
+    let start = start(&domain, &[&[]]);
+    let problem = PlaneProblem { domain, source: pieces("else=0") };
     let found = solve(&problem, &start, &mut Effort::default()).unwrap();
     let [lower, upper] = found.bracket.unwrap();
     assert_eq!([found.energy, upper, found.values(&[[0.5, 0.5]])[0]], [0.0; 3]);
@@ -168,14 +171,10 @@ fn holes_and_friction_have_the_digits_of_two_levels() {
     for (law, energy) in [(Law::FIXED, -0.693480313), (Law::FREE, -1.042053659)] {
         let loops = vec![circle(1.0, Law::SIGNORINI, true), circle(0.5, law, false)];
         let domain = PlaneDomain::new(loops).unwrap();
-        let start = start(&domain, &[(&outer, 0.0), (&[], 0.0)]);
+        let start = start(&domain, &[&outer, &[]]);
         let source = pieces("disc(.2,.8,.15)=30; else=-2");
-        let found = solve(
-            &PlaneProblem { domain, law: Law::SIGNORINI, source },
-            &start,
-            &mut Effort::default(),
-        )
-        .unwrap();
+        let found =
+            solve(&PlaneProblem { domain, source }, &start, &mut Effort::default()).unwrap();
         assert!((found.energy - energy).abs() < 1e-9, "{law:?}: {}", found.energy);
     }
     let ends = [
@@ -186,11 +185,10 @@ fn holes_and_friction_have_the_digits_of_two_levels() {
         [-0.8548659, 1.0],
         [-1.0, 0.8094307],
     ];
-    let domain = lshape();
-    let start = start(&domain, &[(&ends, -0.3)]);
-    let (law, source) = (Law::friction(0.3).unwrap(), pieces("disc(-.3,.4,.4)=4; else=-.6"));
-    let found =
-        solve(&PlaneProblem { domain, law, source }, &start, &mut Effort::default()).unwrap();
+    let domain = lshape().with_law(Law::friction(0.3).unwrap());
+    let start = start(&domain, &[&ends]);
+    let source = pieces("disc(-.3,.4,.4)=4; else=-.6");
+    let found = solve(&PlaneProblem { domain, source }, &start, &mut Effort::default()).unwrap();
     assert!((found.energy + 0.232159340).abs() < 1e-9, "{}", found.energy);
 }
 
@@ -220,14 +218,16 @@ fn on_two_regions(top: f64, others: &str) -> PlaneSource {
 
 #[test]
 fn short_arcs_between_both_signs_of_v_move_to_their_place() {
-    let domain = PlaneDomain::new(vec![circle(1.0, Law::SIGNORINI, true)]).unwrap();
+    let law = Law::new(0.0, 0.188).unwrap();
+    let domain = PlaneDomain::new(vec![circle(1.0, law, true)]).unwrap();
     let arcs = vec![[4.8089278, 4.8243186], [1.9340425, 1.9405874]];
-    let contact = vec![RingContact { arcs, gaps: vec![0.0, 0.188] }];
+    let gaps = vec![BoundaryState::SlipsUp, BoundaryState::SlipsDown];
+    let contact = vec![RingContact { arcs, gaps }];
     let source = pieces(
         "halfplane(-0.13,0.67,-0.904)=0.801; rect(-0.5,0.46,-0.9,0.3)=-0.689; \
          disc(0.445724024,0.826,0.665)=-2.277; rect(0.32,0.8,-0.092,0.8)=8.604; else=-1.925",
     );
-    let problem = PlaneProblem { domain, law: Law::new(0.0, 0.188).unwrap(), source };
+    let problem = PlaneProblem { domain, source };
     let start = PlaneStart { contact, spacing: 0.0327 };
     let found = solve(&problem, &start, &mut Effort::default()).unwrap();
     // Finite elements with four times as many nodes along the boundary.
@@ -250,8 +250,8 @@ fn regions_are_as_pieces_and_v_solves_the_equation_in_any_coordinates() {
     let small = solved(triangle(), f.clone(), &ends);
     let frame = Frame { origin: [512.0, -256.0], unit: 64.0, height: 0.5 };
     let domain = PlaneDomain { frame, ..triangle() };
-    let start = start(&domain, &[(&ends, 0.0)]);
-    let problem = PlaneProblem { domain, law: Law::SIGNORINI, source: f };
+    let start = start(&domain, &[&ends]);
+    let problem = PlaneProblem { domain, source: f };
     let large = solve(&problem, &start, &mut Effort::default()).unwrap();
     assert_eq!(large.energy, 2048.0 * 2048.0 * small.energy);
     assert_eq!(large.bracket, small.bracket.map(|ends| ends.map(|end| 2048.0 * 2048.0 * end)));
@@ -285,9 +285,8 @@ fn brackets_of_spoilt_solutions_hold_and_what_is_not_proved_has_none() {
     const KNOWN: f64 = -0.1070379013;
     const PLACE: f64 = 1e-10;
     let domain = lshape();
-    let start = start(&domain, &[(&[], 0.0)]);
-    let (law, source) = (Law::SIGNORINI, pieces("else=-1"));
-    let setup = Setup::new(&PlaneProblem { domain, law, source }).unwrap();
+    let start = start(&domain, &[&[]]);
+    let setup = Setup::new(&PlaneProblem { domain, source: pieces("else=-1") }).unwrap();
     let mut found = search::search(&setup, &start, &mut Effort::default()).unwrap();
     let whole = proof::bracket(&setup, &found).unwrap();
     assert!(whole.relative() < 1e-10, "{whole:?}");
@@ -308,9 +307,9 @@ fn brackets_of_spoilt_solutions_hold_and_what_is_not_proved_has_none() {
 
 /// Bounds of the energy of a problem all in contact, which are proved.
 fn proved(domain: PlaneDomain, f: &str) -> [f64; 2] {
-    let start = start(&domain, &[(&[], 0.0)]);
+    let start = start(&domain, &[&[]]);
     let source = PlaneSource::Pieces(Regions::all(domain.frame.pieces(&f.parse().unwrap())));
-    let problem = PlaneProblem { domain, law: Law::SIGNORINI, source };
+    let problem = PlaneProblem { domain, source };
     let found = solve(&problem, &start, &mut Effort::default()).unwrap();
     found.bracket.unwrap_or_else(|step| panic!("{f}: {step}"))
 }
@@ -346,8 +345,7 @@ fn pieces_of_f_that_would_vanish_are_refused() {
         ("disc(-9,.37,1e-12)=5.4e23; else=-3", ""),
         ("halfplane(0,1,-1)=4; else=-3", ""),
     ] {
-        let (domain, law) = (lshape(), Law::SIGNORINI);
-        let problem = PlaneProblem { domain, law, source: pieces(f) };
+        let problem = PlaneProblem { domain: lshape(), source: pieces(f) };
         let refused = Setup::new(&problem).err().map_or(String::new(), |e| e.to_string());
         assert_eq!(refused.is_empty(), reason.is_empty(), "{f}: {refused}");
         assert!(refused.starts_with(reason), "{f}: {refused}");

@@ -1,7 +1,7 @@
 //! Errors of ends against finer levels, and of ends next to a corner against those of data that hardly differ.
 
 use super::*;
-use crate::problem::law::Law;
+use crate::problem::law::BoundaryState;
 use crate::spectral::contact::search;
 use crate::spectral::contact::start::PlaneStart;
 use crate::spectral::fit::Effort;
@@ -15,11 +15,11 @@ use crate::spectral::source::{PlaneSource, Regions};
 fn found(points: &[[f64; 2]], f: &str, arc: [(usize, f64); 2]) -> (Setup, PlaneFound) {
     let domain = polygon(points);
     let source = PlaneSource::Pieces(Regions::all(f.parse().unwrap()));
-    let setup = Setup::new(&PlaneProblem { domain, law: Law::SIGNORINI, source }).unwrap();
+    let setup = Setup::new(&PlaneProblem { domain, source }).unwrap();
     let ring = &setup.domain.rings[0];
     let arc = arc
         .map(|(side, share)| ring.along(SidePlace { side, s: share * ring.sides[side].length() }));
-    let contact = vec![RingContact { arcs: vec![arc], gaps: vec![0.0] }];
+    let contact = vec![RingContact { arcs: vec![arc], gaps: vec![BoundaryState::SlipsUp] }];
     let start = PlaneStart { contact, spacing: 1e-3 };
     let found = search::search(&setup, &start, &mut Effort::default()).unwrap();
     (setup, found)

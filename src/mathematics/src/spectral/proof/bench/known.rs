@@ -1,7 +1,7 @@
 //! Problems whose energy is known in closed form, with fits of one contact set.
 
 use crate::mesh::Round;
-use crate::problem::law::Law;
+use crate::problem::law::{BoundaryState, Law};
 use crate::spectral::contact::search::PlaneFound;
 use crate::spectral::fit::Fit;
 use crate::spectral::geometry::domain::PlaneDomain;
@@ -49,9 +49,9 @@ pub(in crate::spectral::proof) fn sticks() -> RingContact {
     RingContact::default()
 }
 
-/// Loop on which nothing sticks, with a flux.
-pub(in crate::spectral::proof) fn slips(flux: f64) -> RingContact {
-    RingContact { arcs: Vec::new(), gaps: vec![flux] }
+/// Loop on which nothing sticks.
+pub(in crate::spectral::proof) fn slips(gap: BoundaryState) -> RingContact {
+    RingContact { arcs: Vec::new(), gaps: vec![gap] }
 }
 
 /// f constant on pieces.
@@ -70,7 +70,7 @@ pub(super) fn sector(angle: f64, arc: Law) -> Vec<PlaneSide> {
     ]
 }
 
-/// Problem with the energy of its solution.
+/// Problem with the energy of its solution, and a law for all sides in contact.
 pub(super) fn known(
     name: &'static str,
     loops: Vec<Vec<PlaneSide>>,
@@ -78,14 +78,9 @@ pub(super) fn known(
     contact: Vec<RingContact>,
     energy: f64,
 ) -> BenchProblem {
-    let domain = PlaneDomain::new(loops).unwrap();
-    BenchProblem {
-        name,
-        problem: PlaneProblem { domain, law, source },
-        contact,
-        energy,
-        is_hard: false,
-    }
+    let domain = PlaneDomain::new(loops).unwrap().with_law(law);
+    let problem = PlaneProblem { domain, source };
+    BenchProblem { name, problem, contact, energy, is_hard: false }
 }
 
 /// The solution `a + b log r - f r^2 / 4` on the ring between the radii 1/2 and 1.
@@ -96,6 +91,40 @@ pub(super) struct Radial {
 }
 
 impl Radial {
+    /// With these values on the inner and the outer circle.
+    pub(super) fn between(f: f64, [inner, outer]: [f64; 2]) -> Self {
+        let a = outer + 0.25 * f;
+        Self { f, a, b: (a - f / 16.0 - inner) / LN_2 }
+    }
+
+    /// With a value on the inner circle, and a flux on the outer one.
+    pub(super) fn rising(f: f64, value: f64, flux: f64) -> Self {
+        let Self { a, b, .. } = Self::slipping(f, flux);
+        Self { f, a: a + value, b }
+    }
+
+    /// With a flux on the inner circle, and a value on the outer one.
+    pub(super) fn falling(f: f64, flux: f64, value: f64) -> Self {
+        Self { f, a: value + 0.25 * f, b: f / 8.0 - 0.5 * flux }
+    }
+
+    /// v and dv/dr at a radius.
+    pub(super) fn at(&self, r: f64) -> [f64; 2] {
+        let &Self { f, a, b } = self;
+        [a + b * libm::log(r) - 0.25 * f * r * r, b / r - 0.5 * f * r]
+    }
+
+    /// Energy without the terms of the laws.
+    pub(super) fn inner_energy(&self) -> f64 {
+        let [[inner, rate], [outer, slope]] = [0.5, 1.0].map(|r| self.at(r));
+        PI * (outer * slope - 0.5 * inner * rate) - PI * self.f * self.mean()
+    }
+
+    /// Integral of v over the area, over a turn.
+    fn mean(&self) -> f64 {
+        self.a * 0.375 + self.b * (LN_2 / 8.0 - 3.0 / 16.0) - self.f * 15.0 / 256.0
+    }
+
     /// With v = 0 on the inner circle, and a flux on the outer one.
     pub(super) fn slipping(f: f64, flux: f64) -> Self {
         let b = flux + 0.5 * f;
@@ -118,8 +147,7 @@ impl Radial {
 
     /// Energy, with a flux on the outer circle where v is not zero there.
     pub(super) fn energy(&self, flux: f64) -> f64 {
-        let sum = self.a * 0.375 + self.b * (LN_2 / 8.0 - 3.0 / 16.0) - self.f * 15.0 / 256.0;
-        -PI * self.f * sum - PI * flux * self.outer()
+        -PI * self.f * self.mean() - PI * flux * self.outer()
     }
 }
 

@@ -18,6 +18,19 @@ const NAMES: [&str; 5] = [
     "ends of contact on a disc",
 ];
 
+/// Values of laws that are tried: those of the problems, and one that v is far from.
+const VALUES: [Option<f64>; 2] = [None, Some(-300.0)];
+
+impl SolvedKnown {
+    /// The problem with another value of all laws that have one, and the same v.
+    fn with_values(mut self, value: Option<f64>) -> Self {
+        for own in &mut self.found.fit.walk.intervals {
+            own.law = value.map_or(own.law, |at| own.law.with_at(at).unwrap());
+        }
+        self
+    }
+}
+
 /// Energy of one cell with Green's term.
 fn energy(own: &SolvedKnown, nodes: &[PlaneNode], harmonic: &[HarmonicNode]) -> f64 {
     let integrals = Integrals::on_boundary(&own.setup, &own.found.fit, nodes);
@@ -27,8 +40,9 @@ fn energy(own: &SolvedKnown, nodes: &[PlaneNode], harmonic: &[HarmonicNode]) -> 
 #[test]
 fn rounding_errors_count_by_the_derivatives_of_the_energy() {
     let size = 1e-6;
-    for name in NAMES {
-        let mut own = solved(name);
+    for (name, value) in NAMES.into_iter().flat_map(|name| VALUES.map(|value| (name, value))) {
+        let mut own = solved(name).with_values(value);
+        let far = 1.0 + value.map_or(0.0, f64::abs);
         Spoiling::Power(3, Complex::new(0.1, 0.03)).spoil(&mut own.found.fit);
         let proof = Proof::new(&own.setup, &own.found.fit).unwrap();
         let mut samples = proof.samples(&proof.cells().unwrap());
@@ -82,15 +96,19 @@ fn rounding_errors_count_by_the_derivatives_of_the_energy() {
                     let error = sum.error - none.error;
                     let weight = sampled.nodes[i].spot.weight;
                     // All but a square of the change.
-                    let noise = 1e-14 * none.error + 1e-19;
+                    let noise = 1e-14 * none.error + 1e-19 + 4.0 * f64::EPSILON * before.abs();
                     let least = change - 2.0 * size * size * weight - noise;
                     assert!(
                         error >= least,
                         "{name} {:?} {i} {which}: {error:e} {change:e}",
                         sampled.own
                     );
-                    assert!(error < 120.0 * size * weight + noise, "{name}: {error:e}");
-                    assert!(sum.terms > 0.0, "{name}");
+                    assert!(error < 120.0 * far * size * weight + noise, "{name}: {error:e}");
+                    let given = sampled.nodes.iter().map(|node| {
+                        let flux = if let State::Flux(q) = node.state { q } else { node.flux };
+                        node.spot.weight * (node.law.at() * flux).abs()
+                    });
+                    assert!(sum.terms > given.sum::<f64>(), "{name}");
                 }
             }
         }
@@ -110,6 +128,14 @@ fn energies_of_cells_are_those_that_are_known_within_their_errors() {
         let exact = bounded_energy(&proof, &samples, &[]).unwrap();
         // The bench of the whole has what v misses too; here it is below rounding.
         let off = (exact.energy - own.energy).abs();
+        // Without f, and with v fixed or no flux, the energy is half of the integral of |grad v|^2.
+        if !own.setup.domain.has_values() || own.name == "bar between values" {
+            assert!(
+                (exact.size() - own.energy.abs()).abs() <= 1e-11 * exact.size(),
+                "{}",
+                own.name
+            );
+        }
         let unit = f64::EPSILON * own.energy.abs();
         assert!(off <= exact.error + 4.0 * unit, "{}: {off:e} {:e}", own.name, exact.error);
         assert!(exact.error > unit && exact.error < 1e5 * unit, "{}: {:e}", own.name, exact.error);
@@ -132,13 +158,15 @@ fn energies_of_cells_are_those_that_are_known_within_their_errors() {
 
 #[test]
 fn what_is_left_next_to_splits_is_bounded() {
-    for name in [
-        "bar with gaps",
-        "three quarters of a disc",
-        "crossings on a disc",
-        "ends of contact on a disc",
+    for (name, value) in [
+        ("bar with gaps", None),
+        ("three quarters of a disc", None),
+        ("crossings on a disc", None),
+        ("ends of contact on a disc", None),
+        ("ends of contact on a disc", Some(-300.0)),
+        ("disc under two laws", Some(-300.0)),
     ] {
-        let mut own = solved(name);
+        let mut own = solved(name).with_values(value);
         Spoiling::Power(2, Complex::new(0.3, 0.1)).spoil(&mut own.found.fit);
         let proof = Proof::new(&own.setup, &own.found.fit).unwrap();
         let samples = proof.samples(&proof.cells().unwrap());
@@ -185,8 +213,8 @@ fn what_is_left_next_to_splits_is_bounded() {
 
 #[test]
 fn integrands_are_bounded_on_the_ellipses() {
-    for name in NAMES {
-        let own = solved(name);
+    for (name, value) in NAMES.into_iter().flat_map(|name| VALUES.map(|value| (name, value))) {
+        let own = solved(name).with_values(value);
         let proof = Proof::new(&own.setup, &own.found.fit).unwrap();
         let samples = proof.samples(&proof.cells().unwrap());
         let harmonic = HarmonicFit::new(proof.fit, &samples);

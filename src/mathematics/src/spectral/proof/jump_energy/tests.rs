@@ -10,7 +10,7 @@ use crate::spectral::proof::bench::known::{circle, pieces};
 fn setup(radius: f64, [x, y]: [f64; 2]) -> Setup {
     let f = format!("disc(0.5,0.1,1e-4)=-1e8; disc({x},{y},{radius})=-2e8; else=-1");
     let domain = PlaneDomain::new(vec![circle(1.0, Law::SIGNORINI, true)]).unwrap();
-    Setup::new(&PlaneProblem { domain, law: Law::SIGNORINI, source: pieces(&f) }).unwrap()
+    Setup::new(&PlaneProblem { domain, source: pieces(&f) }).unwrap()
 }
 
 /// Integral of f v along the jumps of the second shape, by psi alone.

@@ -1,7 +1,7 @@
 //! Brackets of a solution with ends of contact, whose energy is that of the square's closed form.
 
 use crate::problem::complex::Complex;
-use crate::problem::law::Law;
+use crate::problem::law::{BoundaryState, Law};
 use crate::spectral::contact::search::{PlaneFound, search};
 use crate::spectral::contact::start::PlaneStart;
 use crate::spectral::fit::Effort;
@@ -19,10 +19,10 @@ use crate::spectral::source::{PlaneSource, Regions};
 fn found(loops: Vec<PlaneSide>, f: &str, arcs: &[[(usize, f64); 2]]) -> (Setup, PlaneFound) {
     let domain = PlaneDomain::new(vec![loops]).unwrap();
     let source = PlaneSource::Pieces(Regions::all(f.parse().unwrap()));
-    let setup = Setup::new(&PlaneProblem { domain, law: Law::SIGNORINI, source }).unwrap();
+    let setup = Setup::new(&PlaneProblem { domain, source }).unwrap();
     let along = |(side, s)| setup.domain.rings[0].along(SidePlace { side, s });
     let arcs: Vec<[f64; 2]> = arcs.iter().map(|ends| ends.map(along)).collect();
-    let gaps = slips(0.0).gaps.repeat(arcs.len());
+    let gaps = slips(BoundaryState::SlipsUp).gaps.repeat(arcs.len());
     let start = PlaneStart { contact: vec![RingContact { arcs, gaps }], spacing: 1e-3 };
     let found = search(&setup, &start, &mut Effort::default()).unwrap();
     (setup, found)

@@ -131,7 +131,8 @@ fn a_flux_without_room_in_the_law_is_refused() {
     let mut contact = known.contact.clone();
     contact[0].arcs[0] = [1.0, 5.5];
     let mut problem = known.problem.clone();
-    problem.domain = PlaneDomain::new(vec![circle(1.0, Law::SIGNORINI, true)]).unwrap();
+    let limit = Law::limited(1.0).unwrap();
+    problem.domain = PlaneDomain::new(vec![circle(1.0, limit, true)]).unwrap();
     let mut own = BenchProblem { problem, contact, ..known }.solved();
     Spoiling::Power(2, Complex::new(1e-5, 0.0)).spoil(&mut own.found.fit);
     assert_eq!(proved(&own.setup, &own.found), Err("room of the flux in the law"));

@@ -8,7 +8,7 @@ use crate::spectral::geometry::panels::gauss;
 /// Guaranteed bracket where all sticks.
 fn bracket_of(domain: &PlaneDomain, source: PlaneSource) -> [f64; 2] {
     let start = PlaneStart { contact: vec![RingContact::default()], spacing: 1e-3 };
-    let problem = PlaneProblem { domain: domain.clone(), law: Law::SIGNORINI, source };
+    let problem = PlaneProblem { domain: domain.clone(), source };
     let found = solve(&problem, &start, &mut Effort::default()).unwrap();
     let [lower, upper] = found.bracket.unwrap();
     assert!(lower <= found.energy && found.energy <= upper, "{lower} {} {upper}", found.energy);
