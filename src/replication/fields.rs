@@ -7,6 +7,7 @@ pub(crate) mod described;
 pub(crate) mod lists;
 pub(crate) mod member;
 mod names;
+mod parts;
 pub(crate) mod read;
 pub(crate) mod table;
 pub(crate) mod vary;
@@ -15,7 +16,8 @@ pub(crate) mod write;
 use crate::replication::limits;
 use clap::builder::{PossibleValue, Resettable, StringValueParser, StyledStr, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use std::collections::BTreeMap;
+use signorini_mathematics::problem::text::Written;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
 use table::{BOUNDARY, FIELDS, Field, Reading, Refused, field, text};
 use toml::{Table, Value};
@@ -82,6 +84,37 @@ impl Fields {
     /// Texts that the field is given; none if it is not.
     fn texts(&self, name: &str) -> &[String] {
         self.0.get(name).map_or(&[], Vec::as_slice)
+    }
+
+    /// Names in place of numbers of laws.
+    fn names_in_laws(&self) -> BTreeSet<String> {
+        let texts = FIELDS.iter().filter_map(|field| Some((field, self.0.get(field.name)?)));
+        let names =
+            texts.flat_map(|(field, texts)| texts.iter().filter_map(|text| field.name_in(text)));
+        names.map(|(_, _, name)| name.to_owned()).collect()
+    }
+
+    /// Texts of a field about laws, if names stand in place of its numbers.
+    fn with_names(&self, field: &Field) -> Option<Vec<String>> {
+        let texts = self.texts(field.name);
+        texts.iter().any(|text| field.name_in(text).is_some()).then(|| texts.to_vec())
+    }
+
+    /// Puts numbers in place of their names in laws.
+    fn put_into_laws(&mut self, numbers: &BTreeMap<String, f64>) {
+        for field in &FIELDS {
+            for text in self.0.get_mut(field.name).into_iter().flatten() {
+                let Some((part, sign, name)) = field.name_in(text) else { continue };
+                if let Some(number) = numbers.get(name) {
+                    let number = Written(sign * number + 0.0);
+                    *text = if part.is_empty() {
+                        number.to_string()
+                    } else {
+                        format!("{part}={number}")
+                    };
+                }
+            }
+        }
     }
 
     /// Text of a field that has one.

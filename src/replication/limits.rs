@@ -14,23 +14,31 @@ pub(crate) struct Limit {
 }
 
 /// All that users of other programs ask for.
-pub(crate) static LIMITS: [Limit; 6] = [
+pub(crate) static LIMITS: [Limit; 8] = [
     Limit {
-        words: &["obstacle", "gap", "lower", "upper"],
-        wanted: "an obstacle other than 0",
-        instead: "without a fixed part, a constant c is the same problem: v becomes v + c, and the energy J(v) less c \
-            times the integral of f",
+        words: &["obstacle", "lower"],
+        wanted: "an obstacle that is no constant on a part",
+        instead: "`gap` gives each part a number, as bottom=0.1 for v >= 0.1",
     },
     Limit {
-        words: &["dirichlet", "value", "displacement", "boundary", "bc"],
-        wanted: "a value other than 0 on a fixed part",
-        instead: "a fixed part holds v at 0; if each part is fixed or free, a constant c is the same problem with \
-            v + c",
+        words: &["upper"],
+        wanted: "an upper obstacle that is no constant on a part, or on a part with a lower one",
+        instead: "`below` gives a part a number, as bottom=0.1 for v <= 0.1",
     },
     Limit {
-        words: &["neumann", "flux", "robin", "traction"],
-        wanted: "a given flux through the boundary",
-        instead: "on a free part it is 0, elsewhere it follows from the law",
+        words: &["dirichlet", "value", "displacement", "bc"],
+        wanted: "a value that is no constant on a fixed part",
+        instead: "`fixed` gives each part a number, as bottom=0.1 for v = 0.1",
+    },
+    Limit {
+        words: &["neumann", "traction"],
+        wanted: "a flux that is no constant on a part",
+        instead: "`free` and `flux` give each part a number, as bottom=0.1 for dv/dn = 0.1",
+    },
+    Limit {
+        words: &["robin", "reaction"],
+        wanted: "a flux or an f that depends on v otherwise than by a law",
+        instead: "the laws are obstacles, friction and a limit",
     },
     Limit {
         words: &[

@@ -52,25 +52,43 @@ fn domain() -> impl Strategy<Value = Domain> {
     })
 }
 
-/// A law with its number.
-fn law() -> impl Strategy<Value = (LawNumber, f64)> {
+/// A value or a flux.
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(0.0), -2.0..2.0f64]
+}
+
+/// Numbers of a law: none, or one with a gap.
+fn law() -> impl Strategy<Value = Vec<(LawNumber, f64)>> {
+    let of = prop_oneof![Just(LawNumber::Friction), Just(LawNumber::Limit)];
     prop_oneof![
-        Just((LawNumber::Free, 0.0)),
-        Just((LawNumber::Fixed, 0.0)),
-        positive().prop_map(|g| (LawNumber::Friction, g)),
-        positive().prop_map(|limit| (LawNumber::Limit, limit))
+        Just(Vec::new()),
+        number().prop_map(|gap| vec![(LawNumber::Gap, gap)]),
+        (of, positive(), number()).prop_map(|(of, g, gap)| vec![(of, g), (LawNumber::Gap, gap)])
     ]
 }
 
-/// Laws on all parts that are not named, neither free nor fixed, and on parts.
-fn boundary() -> impl Strategy<Value = [Boundary; 2]> {
-    let parts = proptest::collection::vec((part(), law()), 0..4);
-    (proptest::option::of(law()), parts).prop_map(|(others, parts)| {
-        let others = others.filter(|(of, _)| ![LawNumber::Free, LawNumber::Fixed].contains(of));
-        let of_all = others.map_or_else(Boundary::default, |(of, g)| Boundary::under(of, g));
-        let with =
-            |all: Boundary, (part, (of, g)): (String, (LawNumber, f64))| all.with(&part, of, g);
-        [of_all.clone(), parts.into_iter().fold(of_all, with)]
+/// Numbers of a law on a part.
+fn law_of_part() -> impl Strategy<Value = Vec<(LawNumber, f64)>> {
+    let below = |(most, flux)| vec![(LawNumber::Below, most), (LawNumber::Flux, flux)];
+    prop_oneof![
+        law(),
+        number().prop_map(|flux| vec![(LawNumber::Free, flux)]),
+        number().prop_map(|value| vec![(LawNumber::Fixed, value)]),
+        (number(), number()).prop_map(below)
+    ]
+}
+
+/// Laws on all parts that are not named, and on parts.
+fn boundary() -> impl Strategy<Value = Boundary> {
+    let parts = proptest::collection::vec((part(), law_of_part()), 0..4);
+    (law(), parts).prop_map(|(others, parts)| {
+        let mut boundary = Boundary::default();
+        for (part, numbers) in [(String::new(), others)].into_iter().chain(parts) {
+            for (of, number) in numbers {
+                boundary = boundary.with(&part, of, number);
+            }
+        }
+        boundary
     })
 }
 
@@ -121,13 +139,14 @@ fn statement() -> impl Strategy<Value = Statement> {
     let solver = (0..SOLVERS.len()).prop_map(|k| SOLVERS[k].solver);
     let of_solver = (solver, saddle(), proptest::option::of(positive()));
     (domain(), f(), boundary(), load(), fineness(), of_solver).prop_map(
-        |(domain, [on_square, elsewhere], laws, load, fineness, (solver, saddle, tolerance))| {
-            let [of_all, of_parts] = laws;
+        |(domain, [on_grids, elsewhere], boundary, load, fineness, (solver, saddle, tolerance))| {
+            let usual = Statement { boundary, ..Statement::usual(domain, "") };
+            let (has_grids, Statement { domain, boundary, .. }) = (usual.has_grids(), usual);
             let (is_square, is_cube) = (domain.is_square(), domain.is_cube());
             let solver = if solver.entry().in_space || is_square { solver } else { Solver::Uzawa };
             let fits = match fineness {
                 Fineness::Usual => true,
-                Fineness::Grids(_) => is_square,
+                Fineness::Grids(_) => has_grids,
                 Fineness::Width(_) => is_square || is_cube,
                 Fineness::Refined(_) => !is_square,
                 Fineness::Within(_) => solver == Solver::Multigrid,
@@ -135,14 +154,14 @@ fn statement() -> impl Strategy<Value = Statement> {
             let fineness = if fits { fineness } else { Fineness::Usual };
             let is_within = matches!(fineness, Fineness::Within(_));
             let prolongation =
-                if is_square { saddle.prolongation } else { Prolongation::default() };
+                if has_grids { saddle.prolongation } else { Prolongation::default() };
             Statement {
-                f: if is_square { on_square } else { elsewhere },
+                f: if has_grids { on_grids } else { elsewhere },
                 with_truth: is_within,
-                load: (is_square && solver != Solver::Spectral).then_some(load),
+                load: (has_grids && solver != Solver::Spectral).then_some(load),
                 saddle: solver.is_nested().then_some(SaddleSettings { prolongation, ..saddle }),
                 tolerance: tolerance.filter(|_| solver == Solver::Multigrid && !is_within),
-                boundary: if is_square { of_all } else { of_parts },
+                boundary,
                 domain,
                 fineness,
                 solver,

@@ -9,13 +9,18 @@ use signorini_mathematics::statement::{Failure, Statement, StatementError};
 impl Voice {
     /// Returns the error of a statement that states no problem.
     pub(crate) fn stated(self, error: &StatementError) -> Error {
-        Error::input(match (self, error) {
+        Error::input(self.sentence(error))
+    }
+
+    /// Returns that error as a sentence.
+    pub(crate) fn sentence(self, error: &StatementError) -> String {
+        match (self, error) {
             (Self::Keys, _) => error.to_string(),
             (_, StatementError::Field { field, value, reason }) => {
                 format!("{}: {reason}", self.with_value(field, value).trim_end())
             }
             _ => error.to_string(),
-        })
+        }
     }
 
     /// Returns the error of a solver that refuses the problem of a statement.

@@ -13,11 +13,13 @@ use signorini_mathematics::mesh::{AnyMesh, refined};
 use signorini_mathematics::multigrid::active_set::active_set;
 use signorini_mathematics::multigrid::{InputError, MultigridParams};
 use signorini_mathematics::multilevel::solve_nested_networks;
-use signorini_mathematics::problem::law::{BoundaryState, Law};
+use signorini_mathematics::problem::law::{BoundaryState, Law, LawNumber};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::saddle::{Pair, Params, StopRule, solve, solve_nested};
+use signorini_mathematics::solvers::Solved;
 use signorini_mathematics::square::load::load;
 use signorini_mathematics::square::multigrid::solve_square;
+use signorini_mathematics::statement::{Boundary, Domain, Fineness, Statement};
 
 /// Iterations of the paper's method for the problems with friction under the printed rule with r = 1e6 on 1/4 to 1/64,
 /// as a program written apart from this one counts them.
@@ -303,4 +305,48 @@ fn components_may_slip_in_opposite_directions() {
     }
     assert!(left > 0.01, "{left}");
     assert!(judge(network, &y, &load).kkt.relative < 1e-9);
+}
+
+/// Solution on the square with laws on its boundary.
+fn under_laws(laws: &[(&str, LawNumber, f64)]) -> Solved {
+    let with =
+        |all: Boundary, (part, of, number): &(&str, LawNumber, f64)| all.with(part, *of, *number);
+    let boundary = laws.iter().fold(Boundary::default(), with);
+    let usual = Statement::usual(Domain::square(), "disc(0.1,0,0.2)=3; else=-1");
+    Statement { boundary, fineness: Fineness::Width(16), ..usual }.solved(None).unwrap()
+}
+
+#[test]
+fn a_gap_on_all_of_the_square_adds_it_to_v() {
+    let gap = 0.3;
+    let grids = under_laws(&[]);
+    // Sides with names have a mesh.
+    let sides = ["left", "right", "bottom", "top"].map(|side| (side, LawNumber::Gap, 0.0));
+    let [at_zero, above] = [under_laws(&sides), under_laws(&[("", LawNumber::Gap, gap)])];
+    assert!(grids.problem.lattices().is_some() && at_zero.problem.lattices().is_none());
+    let shift = gap * at_zero.integral();
+    assert!((above.energy() - at_zero.energy() + shift).abs() < 1e-12, "{}", above.energy());
+    assert!((at_zero.energy() - grids.energy()).abs() < 1e-3 * grids.energy().abs());
+    for (above, y) in above.pair().y.iter().zip(at_zero.pair().y) {
+        assert!((above - y - gap).abs() < 1e-11, "{above} {y}");
+    }
+}
+
+#[test]
+fn fluxes_through_all_parts_balance_f() {
+    let laws = [
+        ("top", LawNumber::Fixed, 1.0),
+        ("left", LawNumber::Free, -0.5),
+        ("bottom", LawNumber::Friction, 0.3),
+        ("", LawNumber::Gap, 0.2),
+    ];
+    let solved = under_laws(&laws);
+    let run = solved.run().unwrap();
+    let parts = solved.problem.on_parts(&run.y, &run.judgement);
+    let sum: f64 = parts.iter().map(|part| part.force).sum();
+    assert!((sum + solved.problem.levels().facts().integral).abs() < 1e-3, "{parts:?}");
+    let of = |name: &str| parts.iter().find(|part| part.name == name).unwrap();
+    assert!((of("left").force + 0.5).abs() < 1e-12 && of("top").force > 0.5, "{parts:?}");
+    assert_eq!(of("bottom").states.all(), 17);
+    assert_eq!(of("top").states.all(), 0);
 }

@@ -21,9 +21,9 @@ const DIGITS: usize = 7;
 const ALL_DIGITS: usize = 16;
 
 /// Returns numbers of boundary nodes by their states in words.
-fn states_in_words([sticks, slips_up, slips_down]: [usize; 3], is_papers_law: bool) -> String {
+fn states_in_words([sticks, slips_up, slips_down]: [usize; 3], has_contact: bool) -> String {
     let all = sticks + slips_up + slips_down;
-    if is_papers_law {
+    if has_contact {
         return format!("contact in {sticks} of {all} boundary nodes");
     }
     format!("{sticks} of {all} boundary nodes stick, {slips_up} slip up, {slips_down} slip down")
@@ -173,7 +173,7 @@ impl Answer {
         let arcs = self.solved.contact().unwrap_or_default();
         let states = run.judgement.state_counts();
         let states = [states.sticks, states.slips_up, states.slips_down];
-        text += &states_in_words(states, problem.is_signorini());
+        text += &states_in_words(states, problem.has_contact());
         let parts = problem.parts_in_contact(&run.judgement);
         if let Some(parts) = parts.as_ref().filter(|parts| arcs.is_empty() && !parts.is_empty()) {
             text += &format!(", on {parts}");

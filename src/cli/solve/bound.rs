@@ -1,5 +1,6 @@
 //! Text on an answer: guaranteed bounds of its error and of the true energy, and the contact found.
 
+use crate::cli::output::paragraph;
 use crate::replication::numbers::{Numbers, with_share};
 use signorini_mathematics::problem::law::name_of_force;
 use signorini_mathematics::problem::text::{known, plain};
@@ -27,12 +28,12 @@ const SIX: usize = 6;
 /// Returns, as text, the arcs at zero, and the total flux beside minus the integral of f, which are equal at the
 /// solution unless a part is fixed.
 pub(super) fn boundary(solved: &Solved) -> String {
-    let (problem, is_papers_law) = (&solved.problem, solved.problem.is_signorini());
+    let (problem, has_contact) = (&solved.problem, solved.problem.has_contact());
     let rounding = problem.levels().facts().rounding();
     let error = solved.truth().map(|found| found.unbalanced.max(rounding));
     let digits = if error.is_some() { TEN } else { SIX };
     let (holds, total) =
-        (if is_papers_law { "contact" } else { "sticks" }, name_of_force(is_papers_law));
+        (if has_contact { "contact" } else { "sticks" }, name_of_force(has_contact));
     let arcs = solved.contact().unwrap_or_default();
     let has_parts = arcs.iter().any(|arc| arc.part.is_some())
         && problem.levels().mesh(0).part_names().nth(1).is_some();
@@ -53,7 +54,16 @@ pub(super) fn boundary(solved: &Solved) -> String {
     let sums = [solved.force(), 0.0 - solved.integral()];
     let [force, balance] = sums.map(|sum| force(sum, error));
     text += &format!("{total} {force}, minus the integral of f {balance}\n");
-    if problem.domain(problem.finest()).has_fixed_part() {
+    let has_fixed = problem.domain(problem.finest()).has_fixed_part();
+    let parts = solved.run().map(|run| problem.on_parts(&run.y, &run.judgement));
+    let parts = parts
+        .filter(|_| has_fixed || problem.law().is_none() || problem.given_flux() != 0.0)
+        .unwrap_or_default();
+    let fluxes = parts.iter().map(|part| format!("{} {}", part.name, plain(part.force, digits)));
+    let fluxes = fluxes.collect::<Vec<_>>().join(", ");
+    if !fluxes.is_empty() {
+        text += &paragraph(&format!("flux through {fluxes}\n"));
+    } else if has_fixed {
         text += "fixed parts carry the difference\n";
     }
     text

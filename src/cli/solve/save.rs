@@ -49,7 +49,7 @@ pub(super) fn study<'a>(name: &'a str, args: &SolveArgs, study: &Study) -> Resul
         let given = args.vary.iter().filter(|list| list.name == "f").flat_map(|list| &list.values);
         *values = given.map(|value| Varying::Text(text(value))).collect();
     }
-    let text = write::study(title, &first, &lists);
+    let text = write::study(title, &first, &lists, &args.fields);
     place.with(text, &study.members)
 }
 

@@ -162,6 +162,13 @@ fn over(study: &Study, args: &SolveArgs) -> Result<Study> {
     for member in &mut study.members {
         *member = member.over(&study.names, &args.fields)?;
     }
+    let stated: BTreeSet<_> =
+        study.members.iter().map(|of| format!("{:?}", of.statement)).collect();
+    if stated.len() < study.members.len() {
+        return Err(Error::input(
+            "the options take the place of what the scene varies; leave some out, or change the scene",
+        ));
+    }
     Ok(study)
 }
 

@@ -10,7 +10,7 @@ use super::series::{Chart, Curve, Scale, Stroke};
 use super::table::add;
 use super::text::{Ticks, short};
 use super::title::Title;
-use super::{FIXED, IN_SPACE, range_with_zero};
+use super::{IN_SPACE, fixed, range_with_zero};
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::ClosedCurve;
 use signorini_mathematics::problem::law::Law;
@@ -20,8 +20,8 @@ use signorini_mathematics::saddle::Pair;
 pub struct ContactPanel {
     pub(super) title: String,
     pub(super) curve: ClosedCurve,
-    /// True if the paper's law holds.
-    is_papers_law: bool,
+    /// True if what sticks is in contact.
+    has_contact: bool,
     /// Solutions compared.
     pub(super) lines: Vec<ContactLine>,
 }
@@ -46,28 +46,23 @@ impl ContactPanel {
         problem: &Problem,
         solutions: &[(String, Pair)],
     ) -> Result<Vec<Self>, String> {
-        let (mut panels, is_papers_law) = (Vec::new(), problem.is_signorini());
+        let (mut panels, has_contact) = (Vec::new(), problem.has_contact());
         let curves = problem.levels().boundary();
         if curves.is_empty() {
             return Err(IN_SPACE.into());
         }
         for curve in curves {
             let nodes = &curve.nodes;
-            let fixed: Vec<bool> = (0..nodes.len()).map(|k| is_fixed(&curve, k)).collect();
             let lines = solutions.iter().map(|(label, pair)| ContactLine {
                 label: label.clone(),
                 y: at(&pair.y, nodes),
-                a: at(&problem.at_nodes(&pair.a, 0.0), nodes)
-                    .into_iter()
-                    .zip(&fixed)
-                    .map(|(a, &fixed)| (!fixed).then_some(a))
-                    .collect(),
+                a: fluxes(&curve, &at(&problem.at_nodes(&pair.a, f64::NAN), nodes)),
                 in_contact: at(&problem.at_nodes(&problem.in_contact(pair), false), nodes),
             });
             let lines = lines.collect();
             let label = curve.label();
             let title = label.map_or(title.to_owned(), |label| format!("{title}: {label}"));
-            panels.push(Self { title, curve, is_papers_law, lines });
+            panels.push(Self { title, curve, has_contact, lines });
         }
         Ok(panels)
     }
@@ -100,10 +95,16 @@ impl ContactPanel {
     }
 }
 
-/// True if a node of a curve is an end of an edge on a fixed part.
-fn is_fixed(curve: &ClosedCurve, node: usize) -> bool {
-    let before = node.checked_sub(1).unwrap_or(curve.laws.len() - 1);
-    [before, node].iter().any(|&edge| curve.laws[edge] == Law::FIXED)
+/// Flux at the nodes of a curve: the multiplier, where there is none the flux of a free part, and none at the ends of
+/// an edge on a fixed part.
+fn fluxes(curve: &ClosedCurve, multiplier: &[f64]) -> Vec<Option<f64>> {
+    let last = curve.laws.len() - 1;
+    let of_node = |(node, &a): (usize, &f64)| {
+        let sides = [node.checked_sub(1).unwrap_or(last), node].map(|edge| curve.laws[edge]);
+        let is_fixed = sides.iter().any(|law| law.is_fixed());
+        (!is_fixed).then(|| if a.is_nan() { sides[1].lo() } else { a })
+    };
+    multiplier.iter().enumerate().map(of_node).collect()
 }
 
 /// Values at some nodes.
@@ -123,9 +124,14 @@ const PLOT: f64 = 128.0;
 const ROW: f64 = 9.0;
 /// Coordinate over the length of a curve that is shown as zero.
 const ROUNDING: f64 = 1e-9;
-/// Conditions other than the law, with their words and colours.
-const WITHOUT_LAW: [(Law, &str, RGBColor); 2] =
-    [(Law::FREE, "free (a = 0)", RULE), (Law::FIXED, FIXED, INK)];
+/// Colours of free and of fixed parts.
+const UNMOVED: [RGBColor; 2] = [RULE, INK];
+
+/// Words for free parts among those with these laws; none without any.
+fn free(laws: impl Iterator<Item = Law>) -> Option<&'static str> {
+    let fluxes = laws.filter(|law| law.is_free()).map(Law::lo);
+    fluxes.map(|flux| if flux == 0.0 { "free (a = 0)" } else { "free" }).min()
+}
 
 /// Draws y and the multiplier a along the boundary, one panel below the other.
 ///
@@ -142,7 +148,7 @@ pub fn contact(panels: &[ContactPanel]) -> Picture {
     picture.height = top + 28.0;
     let y = top + 8.0;
     picture.rect((ACROSS.0, y - 7.0), (ACROSS.0 + 28.0, y + 7.0), SHADE);
-    let is_contact = panels.iter().all(|panel| panel.is_papers_law);
+    let is_contact = panels.iter().all(|panel| panel.has_contact);
     let words = if is_contact {
         "in contact (a > 0) on every line shown; bars: in contact, line by line"
     } else {
@@ -161,11 +167,9 @@ fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
         panel.chart(|line| line.a.clone()),
     ];
     let entries = legend(&[&charts[0]]);
-    let parts = WITHOUT_LAW.iter().filter(|(law, ..)| panel.has(|own| own == law));
-    let parts = parts.map(|&(_, label, color)| Entry {
-        label: label.into(),
-        color,
-        sample: Sample::Swatch,
+    let words = [free(curve.laws.iter().copied()), fixed(curve.laws.iter().copied())];
+    let parts = words.into_iter().zip(UNMOVED).filter_map(|(words, color)| {
+        Some(Entry { label: words?.into(), color, sample: Sample::Swatch })
     });
     let head = Head {
         title: Title::new(&panel.title, WIDTH - ACROSS.0 - 8.0),
@@ -220,13 +224,14 @@ fn draw_panel(picture: &mut Picture, panel: &ContactPanel, top: f64) -> f64 {
 
 /// Draws the bars of all lines, and that of the parts without the law, in the band between the plots.
 fn draw_bars(picture: &mut Picture, panel: &ContactPanel, entries: &[Entry], band: &Frame) {
-    let ContactPanel { curve, lines, is_papers_law, .. } = panel;
+    let ContactPanel { curve, lines, has_contact, .. } = panel;
     let mut bars = Vec::new();
     for (k, (line, Entry { color, .. })) in lines.iter().zip(entries).enumerate() {
         bars.extend(arcs(&line.in_contact, curve).into_iter().map(|arc| (k, arc, *color)));
     }
-    for (law, _, color) in WITHOUT_LAW {
-        let edges = (0..curve.places.len()).filter(|&k| curve.laws[k] == law);
+    let is_unmoved: [fn(Law) -> bool; 2] = [Law::is_free, Law::is_fixed];
+    for (is_such, color) in is_unmoved.into_iter().zip(UNMOVED) {
+        let edges = (0..curve.places.len()).filter(|&k| is_such(curve.laws[k]));
         let edges =
             edges.map(|k| (curve.places[k], *curve.places.get(k + 1).unwrap_or(&curve.length)));
         bars.extend(joined(edges).into_iter().map(|edges| (lines.len(), edges, color)));
@@ -235,7 +240,7 @@ fn draw_bars(picture: &mut Picture, panel: &ContactPanel, entries: &[Entry], ban
         let y = band.down.0 + 8.0 + ROW * row as f64;
         picture.rect((band.right(from), y + 1.5), (band.right(to), y + ROW - 1.5), color);
     }
-    let holds = if *is_papers_law { "contact" } else { "sticks" };
+    let holds = if *has_contact { "contact" } else { "sticks" };
     if panel.has(|law| law.may_move()) {
         let at = (band.across.0 - 8.0, band.middle().1);
         picture.text(holds, at, plain(SMALL).pos(END).color(&MUTED));
@@ -326,6 +331,7 @@ fn of_contact(panels: &[ContactPanel]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::FIXED;
     use crate::samples::{on_grid, svg};
     use signorini_mathematics::discrete::grid::Grid;
     use signorini_mathematics::levels::Problem;
@@ -348,7 +354,7 @@ mod tests {
 
     #[test]
     fn parts_without_the_law_have_a_word_and_no_axis_of_a() {
-        for (law, word) in [(Law::FREE, "free (a = 0)"), (Law::FIXED, FIXED)] {
+        for (law, word) in [(Law::FREE, "free (a = 0)"), (Law::FIXED, FIXED[0])] {
             let mut annulus = AnyMesh::built_in("annulus").unwrap();
             annulus.set_law("inner", law).unwrap();
             let problem = Problem::on_mesh(&annulus, 1, "else=-1").unwrap();

@@ -1,7 +1,7 @@
 //! Solutions on the meshes of pictures, whose triangles can be told apart.
 
 use super::camera::uphill;
-use super::{IN_SPACE, range_with_zero};
+use super::{IN_SPACE, held, range_with_zero};
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::discrete::load::LoadRule;
 use signorini_mathematics::levels::{Drawing, Problem};
@@ -18,12 +18,12 @@ pub(crate) const MOST_CELLS: usize = 32;
 #[derive(Clone, Debug)]
 pub struct DrawnSolution {
     pub(super) title: String,
-    /// True if the paper's law holds.
-    pub(super) is_papers_law: bool,
+    /// Words for nodes of the boundary that stick.
+    pub(super) held: &'static str,
     pub(super) mesh: PlaneMesh,
     /// Heights at the nodes.
     pub y: Vec<f64>,
-    /// Nodes with v = 0 by the law.
+    /// Nodes that stick.
     pub(super) in_contact: Vec<bool>,
     /// Azimuth of the viewer, in degrees anticlockwise from the negative y axis: that from which the surface hides
     /// least, unless [`seen`](Self::seen) otherwise.
@@ -48,8 +48,8 @@ impl DrawnSolution {
         let at_nodes = problem.at_nodes(&problem.in_contact(pair), false);
         let y: Vec<f64> = nodes.iter().map(|&node| pair.y[node]).collect();
         let in_contact = nodes.iter().map(|&node| at_nodes[node]).collect();
-        let (is_papers_law, azimuth) = (problem.is_signorini(), uphill(&mesh, &y));
-        Ok(Self { title, is_papers_law, azimuth, mesh, y, in_contact, range: None })
+        let (held, azimuth) = (held(problem), uphill(&mesh, &y));
+        Ok(Self { title, held, azimuth, mesh, y, in_contact, range: None })
     }
 
     /// Pair on a grid of the square under the paper's law, as a panel in rows of `columns`.

@@ -39,18 +39,29 @@ pub use picture::Picture;
 pub use plan::mesh_picture;
 pub use print::{Print, Width};
 pub use series::{Chart, Curve, Scale, Stroke};
+use signorini_mathematics::levels::Problem;
+use signorini_mathematics::problem::law::Law;
 pub use solution_map::SolutionMap;
 pub use surface::{surfaces, table_of_surfaces};
 
 /// Refusal of what has no picture.
 const IN_SPACE: &str = "a solution in space has no picture";
 
-/// Words for fixed parts of the boundary.
-const FIXED: &str = "fixed (v = 0)";
+/// Words for fixed parts of the boundary, where v is 0 and where it is not.
+const FIXED: [&str; 2] = ["fixed (v = 0)", "fixed"];
+/// Words for nodes of the boundary that stick: under obstacles, where v is then 0, and where it is not.
+const HELD: [&str; 3] = ["in contact (multiplier a > 0)", "sticks (v = 0)", "sticks"];
 
-/// Returns the words for nodes of the boundary with v = 0 by the law.
-fn held(is_papers_law: bool) -> &'static str {
-    if is_papers_law { "in contact (multiplier a > 0)" } else { "sticks (v = 0)" }
+/// Returns the words for fixed parts among those with these laws; none without any.
+fn fixed(laws: impl Iterator<Item = Law>) -> Option<&'static str> {
+    let values = laws.filter(|law| law.is_fixed()).map(Law::at);
+    values.map(|at| FIXED[usize::from(at != 0.0)]).max_by_key(|words| *words == FIXED[1])
+}
+
+/// Returns the words for nodes of the boundary that stick.
+fn held(problem: &Problem) -> &'static str {
+    let has_values = problem.levels().laws().iter().any(|(_, law)| law.at() != 0.0);
+    HELD[if problem.has_contact() { 0 } else { 1 + usize::from(has_values) }]
 }
 
 /// Returns the smallest and the largest of `values` and 0.

@@ -57,9 +57,8 @@ fn entries(mesh: &PlaneMesh) -> Vec<Entry> {
     let mut entries = Vec::new();
     for (k, part) in mesh.parts().iter().enumerate() {
         let law = match part.law {
-            Law::FREE => "free",
-            Law::FIXED => "fixed",
-            _ => "contact",
+            Law::SIGNORINI => "contact".to_owned(),
+            law => law.to_string(),
         };
         let label = format!("{}: {law}", cut(&part.names.to_string()));
         entries.push(Entry { label, color: series(k), sample: Sample::Line });

@@ -68,7 +68,7 @@ pub(super) fn solution(title: &str, grid: Grid, pair: &Pair) -> DrawnSolution {
 pub(super) fn panel(mesh: &PlaneMesh, y: &[f64], in_contact: &[bool]) -> DrawnSolution {
     DrawnSolution {
         title: "t".into(),
-        is_papers_law: true,
+        held: HELD[0],
         mesh: mesh.clone(),
         y: y.into(),
         in_contact: in_contact.into(),

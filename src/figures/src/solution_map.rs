@@ -2,15 +2,14 @@
 
 use super::axes::{Frame, key};
 use super::drawn::DrawnSolution;
+use super::fixed;
 use super::isolines::{AtLevel, Loop};
 use super::maps::{BAR, bar_below, draw_maps, layout_around};
 use super::palette::{CONTACT, ColourScale, INK, RGBColor};
 use super::picture::{NORMAL, Picture, Place, SMALL, italic, text_width};
 use super::polyline::simplified;
 use super::text::Ticks;
-use super::{FIXED, held};
 use signorini_mathematics::levels::Problem;
-use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::Pair;
 
 /// Most isolines.
@@ -50,13 +49,11 @@ impl SolutionMap {
             for (k, law) in curve.laws.iter().enumerate() {
                 let ends = [k, (k + 1) % points.len()];
                 let edge = ends.map(|k| points[k]);
-                match *law {
-                    Law::FIXED => add(&mut fixed, edge),
-                    Law::FREE => {}
-                    _ => {
-                        let part = held_part(edge, ends.map(|k| is_held[nodes[k]]));
-                        part.into_iter().for_each(|part| add(&mut held, part));
-                    }
+                if law.is_fixed() {
+                    add(&mut fixed, edge);
+                } else if law.may_move() {
+                    let part = held_part(edge, ends.map(|k| is_held[nodes[k]]));
+                    part.into_iter().for_each(|part| add(&mut held, part));
                 }
             }
             boundary.push(curve.points);
@@ -84,9 +81,10 @@ impl SolutionMap {
 
     /// Draws the words for the parts of the boundary that are held, centred.
     fn draw_key(&self, picture: &mut Picture, (middle, y): Place) {
-        let fixed = Some((INK, FIXED)).filter(|_| !self.fixed.is_empty());
-        let entries: Vec<_> =
-            [(CONTACT, held(self.drawn.is_papers_law))].into_iter().chain(fixed).collect();
+        let parts = self.drawn.mesh.parts().iter();
+        let fixed = fixed(parts.map(|part| part.law)).filter(|_| !self.fixed.is_empty());
+        let fixed = fixed.map(|words| (INK, words));
+        let entries: Vec<_> = [(CONTACT, self.drawn.held)].into_iter().chain(fixed).collect();
         let [line, gap, behind] = KEY;
         let widths =
             entries.iter().map(|(_, words)| line + gap + text_width(words, SMALL) + behind);
@@ -174,6 +172,7 @@ fn bands(drawn: &DrawnSolution) -> Vec<(f64, RGBColor)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::FIXED;
     use crate::polyline::farthest;
     use crate::samples::svg;
     use signorini_mathematics::mesh::AnyMesh;
@@ -320,11 +319,11 @@ mod tests {
     fn fixed_parts_are_marked_and_named() {
         let mut annulus = AnyMesh::built_in("annulus").unwrap();
         let contact = Problem::on_mesh(&annulus, 1, "else=-1").unwrap();
-        assert!(!svg(&map(&contact).picture()).contains(FIXED));
+        assert!(!svg(&map(&contact).picture()).contains(FIXED[0]));
         annulus.set_law("inner", Law::FIXED).unwrap();
         let fixed = Problem::on_mesh(&annulus, 1, "else=-1").unwrap();
         let svg = svg(&map(&fixed).picture());
-        assert!(svg.contains(&format!(">{FIXED}</text>")));
+        assert!(svg.contains(&format!(">{}</text>", FIXED[0])));
         // The part itself, and its key.
         assert_eq!(lines(&svg, INK, BOUNDARY_WIDTHS[1]).len(), 2);
     }

@@ -4,13 +4,12 @@ use super::axes::{Bar, CELL_LINES, key};
 use super::boxes::Boxed;
 use super::camera::{Vector, between, cross, dot};
 use super::drawn::DrawnSolution;
+use super::fixed;
 use super::palette::{CONTACT, INK, RGBColor, lit};
 use super::panels::Panels;
 use super::picture::{LARGE, Picture, SMALL, START, bold, plain};
 use super::table::{add, rounded};
 use super::title::Title;
-use super::{FIXED, held};
-use signorini_mathematics::problem::law::Law;
 use std::collections::BTreeMap;
 
 /// Size of a panel in display pixels, where two are in a row.
@@ -44,9 +43,9 @@ pub fn surfaces(columns: usize, panels: &[DrawnSolution]) -> Picture {
     let scales: Vec<_> = ranges.chunks(columns).map(common).collect();
     let is_below = |row: usize| scales[row].is_some() && scales.get(row + 1) == Some(&scales[row]);
     let heights = (0..panels.len()).map(|k| if is_below(k / columns) { high - BAR } else { high });
-    let mut keys: Vec<_> =
-        panels.iter().take(1).map(|panel| (CONTACT, held(panel.is_papers_law))).collect();
-    keys.extend(Some((INK, FIXED)).filter(|_| panels.iter().any(has_fixed)));
+    let mut keys: Vec<_> = panels.iter().take(1).map(|panel| (CONTACT, panel.held)).collect();
+    let laws = panels.iter().flat_map(|panel| panel.mesh.parts().iter().map(|part| part.law));
+    keys.extend(fixed(laws).map(|words| (INK, words)));
     let layout = Panels {
         columns,
         wide,
@@ -92,11 +91,6 @@ pub fn surfaces(columns: usize, panels: &[DrawnSolution]) -> Picture {
 /// Returns the range of colours that the panels of a row have together; none if there is one panel, or if they differ.
 fn common(row: &[(f64, f64)]) -> Option<(f64, f64)> {
     row.first().copied().filter(|first| row.len() > 1 && row.iter().all(|range| range == first))
-}
-
-/// True if a part of the boundary is fixed.
-fn has_fixed(panel: &DrawnSolution) -> bool {
-    panel.mesh.facets().iter().any(|facet| panel.mesh.law(facet) == Law::FIXED)
 }
 
 /// Numbers of the ends of an edge, the lower one first.
@@ -167,7 +161,7 @@ impl<'a> PaintedMesh<'a> {
             let [a, b] = facet.nodes;
             let touches = [a, b].iter().all(|&node| in_contact[node as usize]);
             let color = match mesh.law(facet) {
-                Law::FIXED => INK,
+                law if law.is_fixed() => INK,
                 law if touches && law.may_move() => CONTACT,
                 _ => continue,
             };
@@ -228,6 +222,7 @@ mod tests {
     use super::*;
     use crate::samples::{panel, svg};
     use signorini_mathematics::mesh::{BuiltIn, PlaneMesh, refine};
+    use signorini_mathematics::problem::law::Law;
 
     fn refined(domain: BuiltIn, times: usize) -> PlaneMesh {
         let coarse = domain.plane().unwrap();

@@ -1,16 +1,10 @@
 //! Names in f, each behind a dollar, in whose place a study has numbers.
 
+use super::parts::is_name;
 use super::table::{Reading, Refused, field};
 use signorini_mathematics::problem::text::Written;
 use std::collections::BTreeMap;
 use std::ops::Range;
-
-/// True if the text can be a name in f.
-pub(super) fn is_name(text: &str) -> bool {
-    !text.is_empty()
-        && !text.starts_with(|c: char| c.is_ascii_digit())
-        && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-}
 
 /// Returns the places of the names in f, behind their dollars; what stands in quotes has no names.
 fn places(f: &str) -> Vec<Range<usize>> {
@@ -49,7 +43,7 @@ pub(super) fn with_numbers(f: &str, numbers: &BTreeMap<String, f64>) -> Reading<
         text += &before[end..];
         end = place.end;
         let name = &f[place];
-        let number = *numbers.get(name).ok_or_else(|| without_values(name))?;
+        let number = *numbers.get(name).ok_or_else(|| without_values("f", name))?;
         if is_in_formula(&unquoted(before)) {
             text += &format!("({})", Written(number));
             continue;
@@ -102,15 +96,17 @@ fn is_in_region(before: &str) -> bool {
     item.trim_start().starts_with("region(") && !item.contains('=')
 }
 
-/// Refusal of a name in f that has no values.
-fn without_values(name: &str) -> Refused {
+/// Refusal of a name in f or a law that has no values.
+pub(super) fn without_values(of: &str, name: &str) -> Refused {
     let text = match field(name) {
-        Some(_) => format!("f has ${name}, but `{name}` is a field; choose another name in f"),
+        Some(_) => {
+            format!("{of} has ${name}, but `{name}` is a field; choose another name in {of}")
+        }
         None => format!(
-            "f has ${name}, which has no values; add vary = {{ {name} = [0.1, 0.2] }}, or --vary {name}=0.1,0.2"
+            "{of} has ${name}, which has no values; add vary = {{ {name} = [0.1, 0.2] }}, or --vary {name}=0.1,0.2"
         ),
     };
-    Refused::new("f", text)
+    Refused::new(of, text)
 }
 
 #[cfg(test)]

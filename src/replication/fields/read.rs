@@ -1,12 +1,11 @@
 //! The statement that fields make.
 
 use super::Fields;
-use super::names::check_names;
+use super::names::{check_names, without_values};
 use super::table::{FIELDS, Field, Reading, Refused, Voice, without_accuracy};
-use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::solvers::Solver;
-use signorini_mathematics::statement::{Domain, Fineness, Statement};
+use signorini_mathematics::statement::{Domain, Fineness, Statement, StatementError};
 
 impl Fields {
     /// The statement of these fields, with all else as usual.
@@ -34,6 +33,12 @@ impl Fields {
         }
         let (solver, has_grids) = (of.solver, of.has_grids());
         self.check(voice, &of)?;
+        for part in [""].into_iter().chain(of.boundary.names()) {
+            of.boundary.law(part).map_err(|e| match &e {
+                StatementError::Field { field, .. } => Refused::new(field, voice.sentence(&e)),
+                _ => Refused::new("law", e.to_string()),
+            })?;
+        }
         if !solver.entry().in_space && of.domain.is_built_in_space() {
             let given = voice.with_value("solver", solver.entry().name);
             let text =
@@ -44,7 +49,7 @@ impl Fields {
         of.load = of.load.filter(|_| has_grids && solver != Solver::Spectral);
         let mut saddle = of.saddle.unwrap_or_default();
         if !has_grids {
-            saddle.prolongation = Prolongation::default();
+            saddle.prolongation = <_>::default();
             of.fineness = of.fineness.on_meshes();
         }
         of.saddle = solver.is_nested().then_some(saddle);
@@ -64,6 +69,9 @@ impl Fields {
     /// The statement with the value of a field, if it is given.
     fn give(&self, field: &Field, of: Statement, voice: Voice) -> Reading<Statement> {
         let Some(given) = self.0.get(field.name) else { return Ok(of) };
+        if let Some((_, _, name)) = given.iter().find_map(|text| field.name_in(text)) {
+            return Err(without_values(field.name, name));
+        }
         (field.set)(of, given).map_err(|reason| {
             let given = voice.with_value(field.name, &given.join(" "));
             Refused::new(field.name, format!("{given}: {reason}"))

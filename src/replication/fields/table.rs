@@ -1,5 +1,6 @@
 //! The table of fields: names, values, and which solvers, domains and other fields they go with.
 
+use super::parts::{said, signed_name, texts_of_law, under};
 use super::{Fields, PAPERS};
 use crate::pipeline::error::Error;
 use clap::builder::PossibleValue;
@@ -119,7 +120,7 @@ const ANY: Field = Field {
 };
 
 /// Fields, in the order in which they are written.
-pub(crate) static FIELDS: [Field; 20] = [
+pub(crate) static FIELDS: [Field; 23] = [
     Field {
         name: "f",
         help: "The right-hand side, as 'disc(0,0,0.2)=4; else=-1'",
@@ -147,7 +148,8 @@ pub(crate) static FIELDS: [Field; 20] = [
     },
     Field {
         name: "free",
-        help: "Part of the boundary where dv/dn = 0; others are in contact",
+        help: "Part of the boundary with dv/dn = FLUX [default: 0]; others are in contact",
+        value_name: "PART[=FLUX]",
         law: Some(LawNumber::Free),
         texts: |of| texts_of_law(of, LawNumber::Free),
         set: |of, given| under(of, LawNumber::Free, given),
@@ -155,7 +157,8 @@ pub(crate) static FIELDS: [Field; 20] = [
     },
     Field {
         name: "fixed",
-        help: "Part of the boundary where v = 0",
+        help: "Part of the boundary with v = VALUE [default: 0]",
+        value_name: "PART[=VALUE]",
         law: Some(LawNumber::Fixed),
         texts: |of| texts_of_law(of, LawNumber::Fixed),
         set: |of, given| under(of, LawNumber::Fixed, given),
@@ -194,6 +197,39 @@ pub(crate) static FIELDS: [Field; 20] = [
         law: Some(LawNumber::Limit),
         texts: |of| texts_of_law(of, LawNumber::Limit),
         set: |of, given| under(of, LawNumber::Limit, given),
+        ..OF_LAW
+    },
+    Field {
+        name: "below",
+        help: "Law of a part: v is at most VALUE [default: 0], and dv/dn at most 0",
+        value_name: "PART[=VALUE]",
+        is_rare: true,
+        law: Some(LawNumber::Below),
+        texts: |of| texts_of_law(of, LawNumber::Below),
+        set: |of, given| under(of, LawNumber::Below, given),
+        ..OF_LAW
+    },
+    Field {
+        name: "gap",
+        help: "v is at least GAP; under friction or a limit it sticks at GAP [default: 0]",
+        more: "With PART=GAP, as bottom=0.1, it holds on this part alone.",
+        value_name: "[PART=]GAP",
+        law: Some(LawNumber::Gap),
+        says: &[],
+        texts: |of| texts_of_law(of, LawNumber::Gap),
+        set: |of, given| under(of, LawNumber::Gap, given),
+        ..OF_LAW
+    },
+    Field {
+        name: "flux",
+        help: "dv/dn is FLUX off contact, and no less in contact [default: 0]",
+        more: "With PART=FLUX, as outer=-1, it holds on this part alone; with --below it is no more in contact.",
+        value_name: "[PART=]FLUX",
+        is_rare: true,
+        law: Some(LawNumber::Flux),
+        says: &[],
+        texts: |of| texts_of_law(of, LawNumber::Flux),
+        set: |of, given| under(of, LawNumber::Flux, given),
         ..OF_LAW
     },
     Field {
@@ -437,58 +473,6 @@ fn texts_of_fineness(of: &Statement, name: &str) -> Vec<String> {
     fineness.into_iter().map(Fineness::to_string).collect()
 }
 
-/// Texts of the numbers of this kind: that of all parts that are not named, and those of each part.
-fn texts_of_law(of: &Statement, law: LawNumber) -> Vec<String> {
-    let text = |(part, number): (&str, f64)| match said(law, part) {
-        _ if part.is_empty() => Written(number).to_string(),
-        (_, None) if number == 0.0 => part.to_owned(),
-        _ => format!("{part}={}", Written(number)),
-    };
-    of.boundary.numbers(law).map(text).collect()
-}
-
-/// The part of which a text says something, empty for all that are not named, and the number; a free and a fixed part
-/// may stand without one.
-fn said(law: LawNumber, text: &str) -> (&str, Option<&str>) {
-    let stands_alone = matches!(law, LawNumber::Free | LawNumber::Fixed);
-    match text.rsplit_once('=') {
-        // A name may have the sign.
-        Some((part, number)) if !stands_alone || number.parse::<Written>().is_ok() => {
-            (part.trim_end(), Some(number))
-        }
-        _ if stands_alone => (text, None),
-        _ => ("", Some(text)),
-    }
-}
-
-/// The statement with these numbers of one kind in place of others of this kind, and of other laws on their parts.
-fn under(of: Statement, law: LawNumber, given: &[String]) -> Result<Statement, String> {
-    let (mut boundary, mut numbers) = (of.boundary.without(law), BTreeMap::new());
-    for text in given {
-        let (part, number) = said(law, text);
-        if part.is_empty() && number != Some(text.as_str()) {
-            return Err("the name of a part is empty".into());
-        }
-        let number = match (law, number) {
-            (LawNumber::Friction | LawNumber::Limit, number) => {
-                positive(&[number.unwrap_or_default().to_owned()], "0.3")?
-            }
-            (_, Some(number)) if number.parse().is_ok_and(|Written(number)| number != 0.0) => {
-                return Err(ZERO.into());
-            }
-            _ => 0.0,
-        };
-        if numbers.insert(part, number).is_some_and(|before| before != number) {
-            return Err("the part has a law already; name it once".into());
-        }
-        boundary = boundary.with(part, law, number);
-    }
-    Ok(Statement { boundary, ..of })
-}
-
-/// Reason why a part has no number.
-const ZERO: &str = "v is 0 on a fixed part, and the flux is 0 on a free one; name the part alone";
-
 /// Text of the curve of a part.
 fn curve_in_words((part, numbers): (&String, &Vec<f64>)) -> String {
     let numbers: Vec<_> = numbers.iter().map(|&number| Written(number).to_string()).collect();
@@ -630,6 +614,13 @@ impl Field {
         number.filter(|_| !part.is_empty()).map(|number| (part, number))
     }
 
+    /// The part in a text of a law, empty for all that are not named, with the name in place of its number and the
+    /// sign.
+    pub(super) fn name_in<'a>(&self, text: &'a str) -> Option<(&'a str, f64, &'a str)> {
+        let (part, number) = said(self.law?, text);
+        signed_name(number?).map(|(sign, name)| (part, sign, name))
+    }
+
     /// True if it decides which others may be given.
     pub(super) fn decides_others(&self) -> bool {
         ["domain", "solver"].contains(&self.name) || self.law.is_some()
@@ -642,9 +633,8 @@ impl Field {
 
     /// Fact that both this field and another say with these texts; none if they go together.
     fn says_twice(&self, texts: &[String], (other, others): (&Field, &[String])) -> Option<String> {
-        let (Some(law), Some(other_law)) = (self.law, other.law) else {
-            return self.says_as(other).map(str::to_owned);
-        };
+        let laws = self.law.zip(other.law).filter(|(law, other)| law.is_law() && other.is_law());
+        let Some((law, other_law)) = laws else { return self.says_as(other).map(str::to_owned) };
         let mut others = others.iter().map(|text| said(other_law, text).0);
         let part = others.find(|part| texts.iter().any(|text| said(law, text).0 == *part))?;
         Some(if part.is_empty() { LAW.into() } else { format!("{LAW} on {part}") })

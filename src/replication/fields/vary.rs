@@ -6,7 +6,8 @@
 use super::Fields;
 use super::lists::{MOST_MEMBERS, Varied, product_of};
 use super::member::{Member, Varying, in_words};
-use super::names::{is_name, names, with_numbers};
+use super::names::{names, with_numbers};
+use super::parts::is_name;
 use super::table::{FIELDS, Reading, Refused, Voice, field, text};
 use crate::replication::columns::{COLUMNS, END};
 use crate::replication::limits;
@@ -143,20 +144,25 @@ impl Vary {
                 (None, value) => own.push((name, value)),
             }
         }
-        let f = fields.text("f").unwrap_or_default();
-        let in_f: BTreeSet<&str> = names(f).collect();
+        let in_laws = fields.names_in_laws();
+        let in_f: BTreeSet<&str> = names(fields.text("f").unwrap_or_default())
+            .chain(in_laws.iter().map(|name| &**name))
+            .collect();
         let mut numbers = BTreeMap::new();
         for (name, value) in own {
             if !in_f.contains(name.as_str()) {
                 let known: Vec<_> = FIELDS.iter().map(|field| field.name).collect();
                 let known = known.join(", ");
                 let text = limits::of_word(name).unwrap_or_else(|| {
-                    format!("no such field, and f has no ${name}; the fields are {known}")
+                    format!(
+                        "no such field, and neither f nor a law has ${name}; the fields are {known}"
+                    )
                 });
                 return Err(refused(voice, name, None, &text));
             }
             numbers.insert(name.clone(), number_of(voice, name, value)?);
         }
+        fields.put_into_laws(&numbers);
         if let Some(f) = fields.text("f") {
             let f = with_numbers(f, &numbers)?;
             fields.0.insert("f", vec![f]);
@@ -220,7 +226,7 @@ mod tests {
         let expected = ["1e-7", "-0.5"].map(|r| format!("disc(0,0,0.5)={r}; else=-1"));
         assert_eq!(members, expected);
         for (f, vary, words) in [
-            ("else=-$S", "vary = { R = [1] }", "f has no $R"),
+            ("else=-$S", "vary = { R = [1] }", "nor a law has $R"),
             ("else=-$R", "vary = { R = [\"x\"] }", "R = x: a name in f is a number"),
             ("else=-$R", "vary = { R = [[1, 2]] }", "a name in f is a number"),
             ("else=-$R", "vary = { R = [inf] }", "a name in f is a number"),
@@ -229,6 +235,7 @@ mod tests {
             ("else=-$R", "vary = { R = [\"1/4\", 0.25] }", "R = 0.25 is there twice"),
             ("else=-$h", "vary = { h = [4, 5] }", "`h` is a field; choose another name in f"),
             ("else=-$R", "vary = { R = 1, friction = [1, 1.0] }", "friction = 1 is there twice"),
+            ("else=-1", "gap = \"rim=$G\"\nvary = { G = [0.1, 1e-1] }", "G = 0.1 is there twice"),
         ] {
             let refused = with(f, vary).unwrap_err();
             assert!(refused.contains(words), "{vary}: {refused}");

@@ -1,5 +1,6 @@
 //! A statement as options of `solve`, and as the keys of a scene.
 
+use super::Fields;
 use super::member::Varying;
 use super::table::{BOUNDARY, FIELDS, FOLDER, toml};
 use crate::replication::output::Output;
@@ -54,12 +55,18 @@ pub(crate) fn command(of_scene: &Statement) -> Vec<String> {
 /// Returns the text of a scene with a title, a statement and outputs.
 pub(crate) fn scene(title: &str, statement: &Statement, outputs: &[Output]) -> String {
     let outputs: Vec<_> = outputs.iter().map(Output::to_string).collect();
-    keys(title, statement, &[]) + &format!("outputs = {}\n", Value::from(outputs))
+    keys(title, statement, (&[], &Fields::default()))
+        + &format!("outputs = {}\n", Value::from(outputs))
 }
 
 /// Returns the text of a study with a title and what it varies: lists of values, each with its name; `first` is the
-/// statement of its first member, with f as it is given.
-pub(crate) fn study(title: &str, first: &Statement, lists: &[(String, Vec<Varying>)]) -> String {
+/// statement of its first member, with f as it is given, and laws have the names in the fields that are `given`.
+pub(crate) fn study(
+    title: &str,
+    first: &Statement,
+    lists: &[(String, Vec<Varying>)],
+    given: &Fields,
+) -> String {
     let names: Vec<&str> = lists.iter().map(|(name, _)| name.as_str()).collect();
     let mut varied = Vec::new();
     for (name, values) in lists {
@@ -67,15 +74,16 @@ pub(crate) fn study(title: &str, first: &Statement, lists: &[(String, Vec<Varyin
         varied.push(format!("{name} = {}", Value::from(values)));
     }
     let outputs = "outputs = [\"table\", \"chart\"]\n";
-    keys(title, first, &names) + &format!("vary = {{ {} }}\n{outputs}", varied.join(", "))
+    keys(title, first, (&names, given)) + &format!("vary = {{ {} }}\n{outputs}", varied.join(", "))
 }
 
-/// Returns the lines of a title and a statement without these fields; of a domain about which nothing else is said, its
-/// name.
-fn keys(title: &str, statement: &Statement, without: &[&str]) -> String {
+/// Returns the lines of a title and a statement without these fields, with the names that laws have in the fields that
+/// are given; of a domain about which nothing else is said, its name.
+fn keys(title: &str, statement: &Statement, (without, given): (&[&str], &Fields)) -> String {
     let (mut lines, mut boundary) = (vec![("title", Value::from(title))], Table::new());
     for field in FIELDS.iter().filter(|field| !without.contains(&field.name)) {
-        let Some(texts) = field.named(statement) else { continue };
+        let named = given.with_names(field).or_else(|| field.named(statement));
+        let Some(texts) = named else { continue };
         let (of_parts, texts): (Vec<_>, Vec<_>) =
             texts.into_iter().partition(|text| field.part_and_number(text).is_some());
         for (part, number) in of_parts.iter().filter_map(|text| field.part_and_number(text)) {

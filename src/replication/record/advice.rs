@@ -193,12 +193,12 @@ impl Adviser<'_> {
 
     /// Remedy for a load vector that no flux balances.
     fn balanced(self) -> String {
-        let (fineness, is_papers_law) = (self.fineness(), self.statement.boundary.is_signorini());
-        let other = if is_papers_law { "a lower f" } else { "a wider law" };
+        let (fineness, has_contact) = (self.fineness(), self.statement.boundary.has_contact());
+        let other = if has_contact { "a lower f" } else { "a wider law" };
         match self.takes_exact() {
             true => format!("use {}, another {fineness}, or {other}", self.exact()),
             false if self.has_grids() => format!("use another {fineness} or {other}"),
-            false if is_papers_law => "lower f somewhere".into(),
+            false if has_contact => "lower f somewhere".into(),
             false => "change f, or widen the law".into(),
         }
     }

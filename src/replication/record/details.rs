@@ -66,9 +66,9 @@ pub(crate) fn settings(statement: &Statement) -> Vec<(&'static str, Varying)> {
     settings
 }
 
-/// Ends of the interval of a law.
+/// Numbers of a law.
 fn ends(law: Law) -> Value {
-    json!({ "lo": finite(law.lo()), "hi": finite(law.hi()) })
+    json!({ "at": law.at(), "lo": finite(law.lo()), "hi": finite(law.hi()) })
 }
 
 /// A number, null if it is infinite.
@@ -118,6 +118,18 @@ fn on_levels(statement: &Statement, solved: &Solved, run: &Run) -> Value {
     });
     if !problem.is_signorini() {
         json["states"] = json!(states);
+    }
+    let parts = problem.on_parts(&run.y, &run.judgement);
+    if parts.len() > 1 {
+        let mut rows = Vec::new();
+        for part in parts {
+            let states = part.law.may_move().then_some(part.states);
+            let law = part.law.to_string();
+            rows.push(
+                json!({ "part": part.name, "law": law, "force": part.force, "states": states }),
+            );
+        }
+        json["parts"] = rows.into();
     }
     if let Some(errors) = solved.errors() {
         json["errors"] = json!(errors);

@@ -16,6 +16,7 @@ use polars::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use signorini_mathematics::discrete::end::Stop;
+use signorini_mathematics::problem::law::Law;
 use signorini_mathematics::saddle::{StopRule, tolerance};
 use signorini_mathematics::solvers::SaddleSettings;
 use signorini_mathematics::statement::Statement;
@@ -82,10 +83,10 @@ impl SolveOfMember {
         from_json(inputs, &self.task, NUMBERS)
     }
 
-    /// Name of the law as scenes write it, and its parameter.
-    fn law_and_parameter(&self) -> (&'static str, Option<f64>) {
-        let said = self.statement.boundary.first("");
-        said.map_or(("signorini", None), |(of, number)| (of.name(), Some(number)))
+    /// Laws on all parts of the boundary in words.
+    fn laws(&self) -> String {
+        let laws = self.statement.boundary.in_words().ok().flatten();
+        laws.unwrap_or_else(|| Law::SIGNORINI.to_string())
     }
 }
 
@@ -107,7 +108,7 @@ impl Solves {
 /// `energy_upper` and `error_bound` are guaranteed, but for what `reserve` says, and empty where no bounds were
 /// computed; `error_relative` is that bound over the norm of the solution.
 /// `energy` is that of v or, with an accuracy of the energy, the number between these ends that is nearest to it.
-/// `domain`, `f`, `law` and `law_parameter` are those of the scene; the paper's law has no parameter.
+/// `domain`, `f` and `law`, in words, are those of the scene.
 /// `published` and `published_delta_a` are the published numbers, empty where the paper prints none: for Delta a, on
 /// all grids but the finest. `warnings` are those of `solve`, on the finest grid.
 /// `stop` is the [end](Outcome::name) of the iteration as `solve` names it, and `met` is true
@@ -326,8 +327,7 @@ fn table(solves: &[GridSolve], paper: &Paper) -> PolarsResult<DataFrame> {
         }),
         "domain" => column(solves, |of| &*of.solve.statement.domain.name),
         "f" => column(solves, |of| &*of.solve.statement.f),
-        "law" => column(solves, |of| of.solve.law_and_parameter().0),
-        "law_parameter" => column(solves, |of| of.solve.law_and_parameter().1),
+        "law" => column(solves, |of| of.solve.laws()),
     )
 }
 

@@ -31,7 +31,7 @@ pub struct Kkt {
 }
 
 /// Numbers of boundary nodes by their states.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct StateCounts {
     /// Nodes at the value of the law; under the paper's law, in contact.
     pub sticks: usize,
@@ -42,6 +42,15 @@ pub struct StateCounts {
 }
 
 impl StateCounts {
+    /// Counts a node in this state.
+    pub(crate) fn add(&mut self, state: BoundaryState) {
+        match state {
+            BoundaryState::Sticks => self.sticks += 1,
+            BoundaryState::SlipsUp => self.slips_up += 1,
+            BoundaryState::SlipsDown => self.slips_down += 1,
+        }
+    }
+
     /// All nodes.
     pub fn all(self) -> usize {
         self.sticks + self.slips_up + self.slips_down
@@ -82,26 +91,27 @@ impl Judgement {
 
     /// Numbers of boundary nodes by their states.
     pub fn state_counts(&self) -> StateCounts {
-        let count = |wanted| self.states.iter().filter(|state| **state == wanted).count();
-        StateCounts {
-            sticks: count(BoundaryState::Sticks),
-            slips_up: count(BoundaryState::SlipsUp),
-            slips_down: count(BoundaryState::SlipsDown),
-        }
+        let mut counts = StateCounts::default();
+        self.states.iter().for_each(|state| counts.add(*state));
+        counts
     }
 
     /// Total flux through the boundary where the law holds: the sum of the flux over the nodes that stick, and of the
     /// law's over the others.
     pub fn force(&self) -> f64 {
-        let mut force = 0.0;
-        for ((state, contact), flux) in self.states.iter().zip(&self.contact).zip(&self.flux) {
-            force += match state {
-                BoundaryState::Sticks => *flux,
-                BoundaryState::SlipsUp => contact.measure * contact.law.lo(),
-                BoundaryState::SlipsDown => contact.measure * contact.law.hi(),
-            };
-        }
-        force
+        (0..self.states.len())
+            .fold(0.0, |force, place| force + self.flux_at(place).unwrap_or_default())
+    }
+
+    /// Flux at the boundary node of this place: that of the vector where it sticks, else the law's; none where no law
+    /// moves.
+    pub(crate) fn flux_at(&self, place: usize) -> Option<f64> {
+        let ContactNode { measure, law, .. } = self.contact.get(place)?;
+        Some(match self.states[place] {
+            BoundaryState::Sticks => self.flux[place],
+            BoundaryState::SlipsUp => measure * law.lo(),
+            BoundaryState::SlipsDown => measure * law.hi(),
+        })
     }
 
     /// Length or area of the boundary at the nodes in contact.

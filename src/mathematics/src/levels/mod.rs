@@ -15,6 +15,7 @@ mod vectors;
 pub use lattices::Lattices;
 pub use problem::{Problem, Reserve};
 pub(crate) use triangulations::{Triangulations, VectorErrors, read};
+pub use vectors::OnPart;
 
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::nested::DiscreteLevels;

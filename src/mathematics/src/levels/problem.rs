@@ -162,6 +162,11 @@ impl Problem {
         self.law().map_or_else(|| laws.collect::<Vec<_>>().join(", "), |law| law.to_string())
     }
 
+    /// True if what sticks is in contact, wherever it may move.
+    pub fn has_contact(&self) -> bool {
+        self.levels.laws().iter().all(|(_, law)| law.is_contact())
+    }
+
     /// True if the only law is the paper's.
     pub fn is_signorini(&self) -> bool {
         self.law() == Some(Law::SIGNORINI)

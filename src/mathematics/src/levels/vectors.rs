@@ -3,12 +3,67 @@
 use super::Problem;
 use crate::discrete::contact::ContactArc;
 use crate::discrete::grid::Grid;
-use crate::discrete::kkt::Judgement;
+use crate::discrete::kkt::{Judgement, StateCounts};
 use crate::discrete::norms::Errors;
 use crate::mesh::{PointValue, arcs};
+use crate::problem::law::Law;
 use crate::saddle::Pair;
+use std::collections::BTreeMap;
+
+/// Part of the boundary with its law, and the force and the states there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OnPart {
+    /// Names.
+    pub name: String,
+    /// Law.
+    pub law: Law,
+    /// Integral of the flux; of a node on several parts each has its share of the length or area.
+    pub force: f64,
+    /// Numbers of nodes by their states; none of a free or a fixed part.
+    pub states: StateCounts,
+}
 
 impl Problem {
+    /// Forces and states on each part of the boundary of a mesh, for a nodal vector of the finest level and its
+    /// judgement; none on grids.
+    pub fn on_parts(&self, y: &[f64], judgement: &Judgement) -> Vec<OnPart> {
+        let Some(network) =
+            self.networks().and_then(|all| all.last()).map(|finest| &finest.network)
+        else {
+            return Vec::new();
+        };
+        let (facts, load) = (self.levels().facts(), self.load());
+        let shares = self.levels().mesh(self.finest()).shares();
+        let on_part = |(name, law, shares): (String, Law, BTreeMap<usize, f64>)| {
+            let (mut force, mut states) = (0.0, StateCounts::default());
+            for (node, share) in shares {
+                let of_all = network.at(node).measure;
+                force += match network.place(node).and_then(|place| judgement.flux_at(place)) {
+                    _ if law.is_free() => share * law.lo(),
+                    Some(flux) => share / of_all * flux,
+                    None => share / of_all * network.gradient_at(node, y, load),
+                };
+                if law.may_move()
+                    && let Some((place, _)) = network.contact_at(node)
+                {
+                    states.add(judgement.states[place]);
+                }
+            }
+            OnPart { name, law, force: facts.without_rounding(force), states }
+        };
+        shares.into_iter().map(on_part).collect()
+    }
+
+    /// Flux through the free parts of the boundary of the finest mesh, which is in the load.
+    pub fn given_flux(&self) -> f64 {
+        if self.levels().facts().given == 0.0 {
+            return 0.0;
+        }
+        let shares = self.levels().mesh(self.finest()).shares().into_iter();
+        let free = shares.filter(|(_, law, _)| law.is_free());
+        free.map(|(_, law, shares)| shares.values().sum::<f64>() * law.lo()).sum()
+    }
+
     /// Contact at the nodes of a boundary vector, as [`Pair::in_contact`] has it.
     pub fn in_contact(&self, pair: &Pair) -> Vec<bool> {
         pair.in_contact(self.domain(self.finest()))
@@ -82,7 +137,6 @@ mod tests {
     use super::*;
     use crate::discrete::load::LoadRule;
     use crate::mesh::uniform_square;
-    use crate::problem::law::Law;
 
     #[test]
     fn a_grid_has_the_values_of_its_mesh() {

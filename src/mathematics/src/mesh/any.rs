@@ -1,9 +1,12 @@
 //! A mesh of either dimension.
 
 use super::refine;
-use super::{BUILT_IN, BuiltIn, Mesh, MeshError, Names, PlaneMesh, Round, SpaceMesh};
+use super::{
+    BUILT_IN, BuiltIn, Mesh, MeshError, Names, Part, PlaneMesh, Round, SpaceMesh, measure,
+};
 use crate::problem::law::Law;
 use std::any::Any;
+use std::collections::BTreeMap;
 
 /// Mesh in the plane or in space.
 #[derive(Clone, Debug, PartialEq)]
@@ -171,6 +174,11 @@ impl AnyMesh {
         either!(self, mesh => (mesh.parts.len() > 1).then(|| mesh.parts_of(marked)))
     }
 
+    /// For each part of the boundary its names, its law, and its nodes with their shares of its length or area.
+    pub(crate) fn shares(&self) -> Vec<(String, Law, BTreeMap<usize, f64>)> {
+        either!(self, mesh => mesh.shares())
+    }
+
     /// The mesh with this law on all parts that have the paper's.
     #[must_use]
     pub fn with_law(self, law: Law) -> Self {
@@ -259,6 +267,19 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
             part.law = law;
         }
         Ok(())
+    }
+
+    /// As [`AnyMesh::shares`].
+    fn shares(&self) -> Vec<(String, Law, BTreeMap<usize, f64>)> {
+        let of_part = |part: &Part<D>| (part.names.to_string(), part.law, BTreeMap::new());
+        let mut shares: Vec<_> = self.parts.iter().map(of_part).collect();
+        for facet in &self.facets {
+            let share = measure(self.corners(facet)) / D as f64;
+            for node in facet.nodes {
+                *shares[usize::from(facet.part)].2.entry(node as usize).or_default() += share;
+            }
+        }
+        shares
     }
 
     /// Length of the longest edge.

@@ -44,10 +44,17 @@ pub enum LawNumber {
     Free,
     /// The value of v on a fixed part.
     Fixed,
+    /// The value above which v is not.
+    Below,
     /// Bound g of the friction: the flux lies in `[-g, g]`.
     Friction,
     /// Largest flux: it lies in `[0, limit]`.
     Limit,
+    /// The value that v leaves only where the flux is at an end: the least one, unless a law of friction or a limit is
+    /// given.
+    Gap,
+    /// The flux where v is not at the value of an obstacle.
+    Flux,
 }
 
 /// Node of the boundary with its law.
@@ -270,6 +277,11 @@ impl Law {
     /// True if v is given: v = `at`.
     pub fn is_fixed(self) -> bool {
         self.lo == f64::NEG_INFINITY && self.hi == f64::INFINITY
+    }
+
+    /// True if v stays above the value, with no flux elsewhere: what sticks is in contact.
+    pub fn is_contact(self) -> bool {
+        self.lo == 0.0 && self.hi == f64::INFINITY
     }
 
     /// v = `value`.
@@ -538,8 +550,26 @@ impl LawNumber {
         match self {
             Self::Free => "free",
             Self::Fixed => "fixed",
+            Self::Below => "below",
             Self::Friction => "friction",
             Self::Limit => "limit",
+            Self::Gap => "gap",
+            Self::Flux => "flux",
+        }
+    }
+
+    /// True if it says which law holds; others are of such a law, or of the paper's.
+    pub fn is_law(self) -> bool {
+        !matches!(self, Self::Gap | Self::Flux)
+    }
+
+    /// True if a law that this number says has that number too.
+    pub fn goes_with(self, other: Self) -> bool {
+        match self {
+            Self::Below => other == Self::Flux,
+            Self::Friction | Self::Limit => other == Self::Gap,
+            Self::Gap | Self::Flux => true,
+            Self::Free | Self::Fixed => false,
         }
     }
 
@@ -553,13 +583,16 @@ impl LawNumber {
             Self::Fixed => Law::fixed(number),
             Self::Friction => Law::friction(number),
             Self::Limit => Law::limited(number),
+            Self::Below => Law::below(number, 0.0),
+            Self::Gap => Law::above(number, 0.0),
+            Self::Flux => Law::above(0.0, number),
         }
     }
 }
 
 /// Name of the integral of dv/dn over the boundary, in words.
-pub fn name_of_force(is_papers_law: bool) -> &'static str {
-    if is_papers_law { "contact force" } else { "flux through the boundary" }
+pub fn name_of_force(has_contact: bool) -> &'static str {
+    if has_contact { "contact force" } else { "flux through the boundary" }
 }
 
 /// A number of two digits above a positive one.

@@ -1,6 +1,8 @@
 //! Laws on the parts of the boundary of a statement, by their numbers.
 
-use crate::problem::law::{Law, LawError, LawNumber};
+use super::StatementError;
+use crate::problem::law::{Law, LawNumber};
+use crate::problem::text::Written;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -18,11 +20,15 @@ impl Boundary {
         Self::default().with("", of, number)
     }
 
-    /// The boundary with this number on a part, or under the empty name on all parts that are not named.
+    /// The boundary with this number on a part, or under the empty name on all parts that are not named; a law takes
+    /// the place of another one there, and of numbers that do not go with it.
     #[must_use]
     pub fn with(mut self, part: &str, of: LawNumber, number: f64) -> Self {
-        // A part has one law.
-        self.parts.insert(part.to_owned(), BTreeMap::from([(of, number)]));
+        let numbers = self.parts.entry(part.to_owned()).or_default();
+        if of.is_law() {
+            numbers.retain(|other, _| !other.is_law() && of.goes_with(*other));
+        }
+        numbers.insert(of, number);
         self
     }
 
@@ -49,33 +55,67 @@ impl Boundary {
         self.parts.iter().filter_map(move |(part, own)| Some((part.as_str(), *own.get(&of)?)))
     }
 
-    /// First number of a part, with its meaning; none if nothing is said.
+    /// The first number of a part, with what it says: that of its law, if it has one; none if nothing is said.
     pub fn first(&self, part: &str) -> Option<(LawNumber, f64)> {
         self.parts.get(part)?.first_key_value().map(|(of, number)| (*of, *number))
+    }
+
+    /// Number of this kind on a part, or else on all that are not named.
+    fn number(&self, part: &str, of: LawNumber) -> Option<f64> {
+        [part, ""].into_iter().find_map(|part| self.parts.get(part)?.get(&of).copied())
+    }
+
+    /// Number that says which law holds on a part; none for the paper's law.
+    fn said(&self, part: &str) -> Option<(LawNumber, f64)> {
+        [part, ""].into_iter().find_map(|part| self.first(part).filter(|(of, _)| of.is_law()))
     }
 
     /// Law on a part, or under the empty name on those that are not named.
     ///
     /// # Errors
-    /// [`LawError`] if its number makes none.
-    pub fn law(&self, part: &str) -> Result<Law, LawError> {
-        let said = self.first(part).or_else(|| self.first(""));
-        said.map_or(Ok(Law::SIGNORINI), |(of, number)| of.law(number))
+    /// [`StatementError::Field`] if its numbers make none.
+    pub fn law(&self, part: &str) -> Result<Law, StatementError> {
+        let said = self.said(part);
+        for (of, number) in self.parts.get(part).into_iter().flatten() {
+            if let Some((law, _)) = said.filter(|(law, _)| law != of && !law.goes_with(*of)) {
+                let [own, law] = [of.name(), law.name()];
+                let reason = format!("a {own} does not go with {law} there; leave one of them out");
+                return Err(StatementError::field(own, assigned(part, *number), reason));
+            }
+        }
+        let [gap, flux] =
+            [LawNumber::Gap, LawNumber::Flux].map(|of| self.number(part, of).unwrap_or_default());
+        let law = match said {
+            None => Law::above(gap, flux),
+            Some((LawNumber::Below, most)) => Law::below(most, flux),
+            Some((of, number)) if of.goes_with(LawNumber::Gap) => {
+                of.law(number).and_then(|law| law.with_at(gap))
+            }
+            Some((of, number)) => of.law(number),
+        };
+        law.map_err(|e| {
+            let (of, number) = self.first(part).or(said).unwrap_or((LawNumber::Gap, gap));
+            StatementError::field(of.name(), assigned(part, number), e)
+        })
     }
 
-    /// The laws in words, other ones than the paper's, with the parts on which they hold; none if there are none.
+    /// The laws in words, each with the part on which it holds; none if nothing is said.
     ///
     /// # Errors
     /// As [`Boundary::law`].
-    pub fn in_words(&self) -> Result<Option<String>, LawError> {
+    pub fn in_words(&self) -> Result<Option<String>, StatementError> {
         let mut laws = Vec::new();
-        for (part, numbers) in &self.parts {
-            if numbers.keys().any(|of| !matches!(of, LawNumber::Free | LawNumber::Fixed)) {
-                let on = if part.is_empty() { String::new() } else { format!(" on {part}") };
-                laws.push(format!("{}{on}", self.law(part)?));
-            }
+        for part in self.parts.keys() {
+            let on = if part.is_empty() { String::new() } else { format!(" on {part}") };
+            laws.push(format!("{}{on}", self.law(part)?));
         }
         Ok((!laws.is_empty()).then(|| laws.join(", ")))
+    }
+
+    /// True if what sticks is in contact, wherever it may move.
+    pub fn has_contact(&self) -> bool {
+        let parts = [""].into_iter().chain(self.names());
+        parts.filter_map(|part| self.law(part).ok()).all(|law| law.is_contact() || !law.may_move())
     }
 
     /// True if the law is the paper's on all parts that are neither free nor fixed.
@@ -83,4 +123,10 @@ impl Boundary {
         let mut numbers = self.parts.values().flat_map(BTreeMap::keys);
         numbers.all(|of| matches!(of, LawNumber::Free | LawNumber::Fixed))
     }
+}
+
+/// A number of a part as options have it; of all parts that are not named the number alone.
+fn assigned(part: &str, number: f64) -> String {
+    let number = Written(number);
+    if part.is_empty() { number.to_string() } else { format!("{part}={number}") }
 }

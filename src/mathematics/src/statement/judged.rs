@@ -131,7 +131,7 @@ impl Statement {
         // A fixed part of the boundary bears the rest.
         let balanced = problem.domain(problem.finest()).has_fixed_part()
             || (force - load).abs() <= slack(problem).max(accepted);
-        (!balanced).then(|| Warning::Force { is_papers_law: problem.is_signorini(), force, load })
+        (!balanced).then(|| Warning::Force { has_contact: problem.has_contact(), force, load })
     }
 }
 
@@ -169,8 +169,8 @@ fn of_load(problem: &Problem, last: &Outcome) -> Option<Warning> {
         true => (4.0 * slack(problem)).max(RESOLVED * facts.size),
         false => slack(problem),
     };
-    if facts.known.is_none() && (last.sum_load - facts.integral).abs() > slack {
-        let (sum_load, integral) = (last.sum_load, facts.integral);
+    let (sum_load, integral) = (last.sum_load - problem.given_flux(), facts.integral);
+    if facts.known.is_none() && (sum_load - integral).abs() > slack {
         return Some(match facts.by_quadrature {
             true => Warning::Points { level, sum_load, integral },
             false => Warning::Load { level, sum_load, integral },

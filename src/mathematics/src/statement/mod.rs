@@ -26,7 +26,7 @@ use crate::levels::{Problem, ProblemError, Step, Watch};
 use crate::mesh::AnyMesh;
 use crate::multigrid::Goal;
 use crate::problem::error::SourceError;
-use crate::problem::law::{Law, LawError};
+use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::saddle::Monitor;
 use crate::solvers::{
@@ -93,12 +93,6 @@ impl StatementError {
     }
 }
 
-impl From<LawError> for StatementError {
-    fn from(error: LawError) -> Self {
-        Self::field("law", "", error)
-    }
-}
-
 impl Statement {
     /// Solver, unless another is named.
     pub const SOLVER: Solver = Solver::Multigrid;
@@ -123,8 +117,8 @@ impl Statement {
     /// Law on parts of the boundary that are named nowhere else.
     ///
     /// # Errors
-    /// [`LawError`] if its number makes none.
-    pub fn law(&self) -> Result<Law, LawError> {
+    /// [`StatementError::Field`] if its numbers make none.
+    pub fn law(&self) -> Result<Law, StatementError> {
         self.boundary.law("")
     }
 

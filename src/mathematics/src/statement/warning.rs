@@ -50,9 +50,9 @@ pub enum Warning {
     #[error("{0}")]
     Jumps(String),
     /// The total flux does not balance the load: at the discrete solution their sum is zero up to rounding.
-    #[error("the {} {} does not balance the load, {}, so the {} of the solution", name_of_force(*is_papers_law),
-        plain(*force, 5), plain(*load, 5), contact_is_other(*is_papers_law))]
-    Force { is_papers_law: bool, force: f64, load: f64 },
+    #[error("the {} {} does not balance the load, {}, so the {} of the solution", name_of_force(*has_contact),
+        plain(*force, 5), plain(*load, 5), contact_is_other(*has_contact))]
+    Force { has_contact: bool, force: f64, load: f64 },
     /// There is no bound of the error.
     #[error("no bound of the error: {0}")]
     NoBound(NoBound),
@@ -119,8 +119,8 @@ fn sums(level: &str, sum_load: f64, integral: f64) -> String {
 }
 
 /// Returns, in words, that boundary nodes are in contact that are not so in the solution.
-fn contact_is_other(is_papers_law: bool) -> &'static str {
-    if is_papers_law { "contact set is not that" } else { "nodes that stick are not those" }
+fn contact_is_other(has_contact: bool) -> &'static str {
+    if has_contact { "contact set is not that" } else { "nodes that stick are not those" }
 }
 
 /// Returns, in words, an error that is so large beside the solution.

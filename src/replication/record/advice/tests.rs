@@ -23,7 +23,7 @@ fn warnings() -> Vec<Warning> {
         Warning::Points { level: level(), sum_load, integral },
         Warning::Quadrature { level: level(), missed: 0.02 },
         Warning::Jumps("f jumps on grid lines".into()),
-        Warning::Force { is_papers_law: true, force: 1.0, load: 0.5 },
+        Warning::Force { has_contact: true, force: 1.0, load: 0.5 },
         Warning::NoBound(NoBound::Missed { part: 0.2 }),
         Warning::Energy,
         Warning::Error { relative: 0.6 },

@@ -238,8 +238,8 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
     let more = json!({
         "text": std::str::from_utf8(text)?,
         "command": picture_command(scene),
-        "is_papers_law": scene.statement.boundary.is_signorini(),
-        // Share of the boundary under the law on which v is held at zero, of a scene with a map.
+        "has_contact": scene.statement.boundary.has_contact(),
+        // Share of the boundary under the law on which v is held, of a scene with a map.
         "held": held.transpose()?,
         "f": facts.f,
         // The exact solution in LaTeX, if it is known.
