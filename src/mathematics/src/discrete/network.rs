@@ -117,18 +117,23 @@ impl Network {
         let nodes = masses.len();
         assert!(2 * couplings.len() < u32::MAX as usize, "more couplings than 32 bits number");
         let mut starts = vec![0; nodes + 1];
-        for node in couplings.iter().flat_map(|coupling| coupling.nodes) {
-            starts[node as usize + 1] += 1;
+        // Number of couplings of each node to one with a higher number, which stand first in its row.
+        let mut later = vec![0; nodes];
+        for &Coupling { nodes: [one, two], .. } in couplings {
+            starts[one as usize + 1] += 1;
+            starts[two as usize + 1] += 1;
+            later[one.min(two) as usize] += 1;
         }
         for node in 0..nodes {
             starts[node + 1] += starts[node];
+            later[node] += starts[node];
         }
-        let mut next = starts.clone();
+        let mut next = [starts.clone(), later];
         let (mut others, mut weights) =
             (vec![0; 2 * couplings.len()], vec![0.0; 2 * couplings.len()]);
         for &Coupling { nodes: [one, two], weight } in couplings {
             for (node, other) in [(one, two), (two, one)] {
-                let place = &mut next[node as usize];
+                let place = &mut next[usize::from(other < node)][node as usize];
                 others[*place as usize] = other;
                 weights[*place as usize] = weight;
                 *place += 1;
@@ -149,11 +154,13 @@ impl Network {
         for node in 0..nodes {
             let range = starts[node] as usize..starts[node + 1] as usize;
             let (others, weights) = (&mut others[range.clone()], &mut weights[range]);
-            row.clear();
-            row.extend(others.iter().copied().zip(weights.iter().copied()));
-            row.sort_unstable_by_key(|&(other, _)| (other < node as u32, other));
-            for ((other, weight), entry) in others.iter_mut().zip(&mut *weights).zip(&row) {
-                (*other, *weight) = *entry;
+            if !others.is_sorted_by_key(|&other| (other < node as u32, other)) {
+                row.clear();
+                row.extend(others.iter().copied().zip(weights.iter().copied()));
+                row.sort_unstable_by_key(|&(other, _)| (other < node as u32, other));
+                for ((other, weight), entry) in others.iter_mut().zip(&mut *weights).zip(&row) {
+                    (*other, *weight) = *entry;
+                }
             }
             diagonal[node] = weights.iter().sum();
             let later = others.iter().take_while(|other| **other > node as u32).count();

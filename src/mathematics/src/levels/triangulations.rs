@@ -3,8 +3,8 @@
 use super::{Drawing, Facts, Levels, ProblemError, Step, Watch};
 use crate::bounds::triangulation::BoundedProblem;
 use crate::bounds::{Bounds, NoBound};
-use crate::discrete::domain::DiscreteDomain;
-use crate::discrete::nested::{DiscreteLevels, NestedNetwork};
+use crate::discrete::domain::components;
+use crate::discrete::nested::{DiscreteLevels, NestedNetwork, nested_components};
 use crate::discrete::network::Network;
 use crate::mesh::{
     AnyMesh, ClosedCurve, CurveGain, CutShape, Mesh, MeshLoad, NestedMeshes, Sides,
@@ -195,12 +195,12 @@ where
     }
 
     fn components(&self) -> Vec<Component> {
-        DiscreteDomain::from(self.network()).components(&self.load.load)
+        components(self.network(), &nested_components(&self.networks), &self.load.load)
     }
 
     fn components_on_curves(&self) -> Vec<Component> {
         let mut components = self.components();
-        let of_nodes = self.network().components();
+        let of_nodes = nested_components(&self.networks);
         let gains = curve_gains(self.finest(), &self.sides, &self.f[..]);
         for CurveGain { facet, measure, integral } in gains {
             let facet = &self.finest().facets()[facet];

@@ -25,51 +25,37 @@ pub(super) fn assemble_edges<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     edges: &Edges,
 ) -> Network {
-    let nodes = mesh.points.len();
-    let (mut weights, mut masses) = (vec![0.0; edges.len()], vec![0.0; nodes]);
-    for cell in &mesh.cells {
-        let element = Element::new(mesh.vertices(cell));
-        for i in 0..V {
-            masses[cell[i] as usize] += element.volume / V as f64;
-            for j in 0..i {
-                weights[edges.between(cell[i], cell[j])] -= element.stiffness(i, j);
-            }
-        }
-    }
-    network_of(mesh, Couplings { ends: edges.ends(), weights }, masses)
+    assemble_with(mesh, edges.len(), |cell, ends| edges.of_cell::<V>(cell, ends))
 }
 
-/// As [`assemble`], for a mesh in the plane whose sides are known: they are its edges.
+/// As [`assemble`], for a mesh whose sides are known.
 pub(crate) fn assemble_sides<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     sides: &Sides<V>,
 ) -> Network {
+    assemble_with(mesh, sides.edges(), |cell, ends| sides.edge(cell as u32, ends))
+}
+
+/// Returns the discrete problem with the couplings that are no rounding errors; `edge` is the number of the edge
+/// between two vertices of a cell, the later one second.
+fn assemble_with<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    edges: usize,
+    edge: impl Fn(usize, [usize; 2]) -> usize,
+) -> Network {
     let mut masses = vec![0.0; mesh.points.len()];
-    let (mut ends, mut weights) = (vec![[0; 2]; sides.len()], vec![0.0; sides.len()]);
-    for (cell, numbers) in mesh.cells.iter().zip(&sides.of_cell) {
+    let (mut ends, mut weights) = (vec![[0; 2]; edges], vec![0.0f64; edges]);
+    for (number, cell) in mesh.cells.iter().enumerate() {
         let element = Element::new(mesh.vertices(cell));
-        for (k, &side) in numbers.iter().enumerate() {
-            masses[cell[k] as usize] += element.volume / 3.0;
-            let [i, j] = [(k + 1) % 3, (k + 2) % 3];
-            ends[side as usize] = [cell[i].min(cell[j]), cell[i].max(cell[j])];
-            weights[side as usize] -= element.stiffness(i, j);
+        for j in 0..V {
+            masses[cell[j] as usize] += element.volume / V as f64;
+            for i in 0..j {
+                let edge = edge(number, [i, j]);
+                ends[edge] = [cell[i].min(cell[j]), cell[i].max(cell[j])];
+                weights[edge] -= element.stiffness(i, j);
+            }
         }
     }
-    network_of(mesh, Couplings { ends, weights }, masses)
-}
-
-/// Edges, and minus the entries of the stiffness matrix (5) for them.
-struct Couplings {
-    ends: Vec<[u32; 2]>,
-    weights: Vec<f64>,
-}
-
-/// Returns the discrete problem with the couplings that are no rounding errors.
-fn network_of<const D: usize, const V: usize>(
-    mesh: &Mesh<D, V>,
-    Couplings { ends, weights }: Couplings,
-    masses: Vec<f64>,
-) -> Network {
     let mut diagonal = vec![0.0f64; masses.len()];
     for (nodes, weight) in ends.iter().zip(&weights) {
         nodes.iter().for_each(|&node| diagonal[node as usize] += weight.abs());
@@ -113,12 +99,19 @@ pub(crate) fn check_meetings<const D: usize, const V: usize>(
 
 /// Returns the nodes with a law, in the order of their numbers: each has the sum of the laws of its facets.
 fn boundary_nodes<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Vec<ContactNode> {
-    let mut sums: BTreeMap<u32, LawSum> = BTreeMap::new();
+    const NONE: u32 = u32::MAX;
+    let (mut places, mut sums) = (vec![NONE; mesh.points.len()], Vec::new());
     for facet in mesh.facets.iter().filter(|facet| !mesh.law(facet).is_free()) {
         let share = measure(mesh.corners(facet)) / D as f64;
         for node in facet.nodes {
-            sums.entry(node).or_default().add(mesh.law(facet), share);
+            let place = &mut places[node as usize];
+            if *place == NONE {
+                *place = sums.len() as u32;
+                sums.push((node, LawSum::default()));
+            }
+            sums[*place as usize].1.add(mesh.law(facet), share);
         }
     }
+    sums.sort_unstable_by_key(|(node, _)| *node);
     sums.into_iter().map(|(node, laws)| laws.at_node(node as usize)).collect()
 }

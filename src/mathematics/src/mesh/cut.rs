@@ -102,7 +102,7 @@ impl<const D: usize, const V: usize> FramedCell<D, V> {
     /// True if a shape, in the coordinates of the mesh, certainly has no point inside the cell.
     fn is_missed_by(&self, shape: &Shape<D>) -> bool {
         match *shape {
-            Shape::Box(sides) => self.is_beside(sides),
+            Shape::Box(_) => is_beside(shape, &self.bounds),
             Shape::Ball { centre, radius } => self.is_away_from(centre, radius),
             Shape::HalfSpace { normal, d } => {
                 let (normal, d) = plain(normal, d);
@@ -118,12 +118,6 @@ impl<const D: usize, const V: usize> FramedCell<D, V> {
             let normal = self.element.gradients[vertex];
             Shape::HalfSpace { normal, d: dot(normal, self.framed[(vertex + 1) % V]) }
         })
-    }
-
-    /// True if the box with these sides, in the coordinates of the mesh, has no point inside that of the cell.
-    fn is_beside(&self, sides: [[f64; 2]; D]) -> bool {
-        let mut both = sides.iter().zip(&self.bounds);
-        both.any(|(side, bounds)| side[1] <= bounds[0] || bounds[1] <= side[0])
     }
 
     /// True if all vertices lie on that side of the line or plane `normal . x = d` where the left side is greater or
@@ -150,6 +144,17 @@ impl<const D: usize, const V: usize> FramedCell<D, V> {
         let reach = radius * dot(way, way).sqrt();
         self.framed.iter().all(|x| dot(way, std::array::from_fn(|d| x[d] - centre[d])) >= reach)
     }
+}
+
+/// True if a box or ball has no point inside the box with these bounds, since the box around it has none.
+fn is_beside<const D: usize>(shape: &Shape<D>, bounds: &[[f64; 2]; D]) -> bool {
+    let sides = match *shape {
+        Shape::Box(sides) => sides,
+        Shape::Ball { centre, radius } => centre.map(|x| [x - radius, x + radius]),
+        Shape::HalfSpace { .. } => return false,
+    };
+    let mut both = sides.iter().zip(bounds);
+    both.any(|(side, bounds)| side[1] <= bounds[0] || bounds[1] <= side[0])
 }
 
 /// The pieces that share a cell, with storage for the work on them.
@@ -180,11 +185,12 @@ where
         if f.pieces.is_empty() {
             return CellPart::constant(volume, f.background);
         }
-        let cell = FramedCell::new(vertices);
-        let background = self.find_across(&cell, f);
-        if self.across.iter().all(|&(_, value)| value == background) {
+        let mut framed = None;
+        let background = self.find_across(vertices, &mut framed, f);
+        let is_constant = self.across.iter().all(|&(_, value)| value == background);
+        let Some(cell) = framed.filter(|_| !is_constant) else {
             return CellPart::constant(volume, background);
-        }
+        };
         let moments = Shape::integrate(&mut self.storage, &cell, background, &self.across);
         let whole = cell.element.volume;
         let (one, first) = (moments.one / whole, moments.first.map(|first| first / whole));
@@ -202,14 +208,25 @@ where
         }
     }
 
-    /// Finds the pieces whose borders may cross the cell, and returns the value of f where none of them is.
-    fn find_across(&mut self, cell: &FramedCell<D, V>, f: ConstantPieces<'_, D>) -> f64 {
+    /// Finds the pieces whose borders may cross the cell, which is framed where one is near, and returns the value of f
+    /// where none of them is.
+    fn find_across(
+        &mut self,
+        vertices: [[f64; D]; V],
+        framed: &mut Option<FramedCell<D, V>>,
+        f: ConstantPieces<'_, D>,
+    ) -> f64 {
         self.across.clear();
+        let bounds = bounds(&vertices);
         for (shape, value) in f.pieces.iter().rev() {
             // A convex shape covers the cell if it holds the vertices.
-            if cell.vertices.iter().all(|&vertex| shape.contains(vertex)) {
+            if vertices.iter().all(|&vertex| shape.contains(vertex)) {
                 return *value;
             }
+            if is_beside(shape, &bounds) {
+                continue;
+            }
+            let cell = framed.get_or_insert_with(|| FramedCell::new(vertices));
             if !cell.is_missed_by(shape) {
                 self.across.push((shape.seen_from(cell.origin, cell.unit), *value));
             }

@@ -6,13 +6,15 @@ pub(crate) struct Edges {
     starts: Vec<u32>,
     /// Node with the higher number of each edge.
     higher: Vec<u32>,
+    /// Numbers of the edges of all cells, in each by the later one of its vertices, then by the other one.
+    of_cells: Vec<u32>,
 }
 
 impl Edges {
     /// Edges of cells on this number of nodes.
     ///
     /// # Panics
-    /// If there are more edges than 32 bits number.
+    /// If there are more edges, counted in each cell, than 32 bits number.
     pub(crate) fn new<const V: usize>(nodes: usize, cells: &[[u32; V]]) -> Self {
         let mut starts = vec![0u32; nodes + 1];
         for_each_pair(cells, |lower, _| starts[lower as usize + 1] += 1);
@@ -22,29 +24,33 @@ impl Edges {
             *start = total;
         }
         let mut next = starts.clone();
-        let mut higher = vec![0; total as usize];
+        // The other node and the place, in one number.
+        let (mut keys, mut place) = (vec![0; total as usize], 0);
         for_each_pair(cells, |lower, other| {
-            let place = &mut next[lower as usize];
-            higher[*place as usize] = other;
-            *place += 1;
+            let next = &mut next[lower as usize];
+            keys[*next as usize] = (u64::from(other) << 32) | place;
+            (*next, place) = (*next + 1, place + 1);
         });
         // Each edge stands there once for each of its cells.
-        let mut kept = 0;
+        let (mut higher, mut of_cells) = (Vec::new(), vec![0; keys.len()]);
+        let mut from = 0;
         for node in 0..nodes {
-            let (from, to) = (starts[node] as usize, starts[node + 1] as usize);
-            higher[from..to].sort_unstable();
-            starts[node] = kept as u32;
-            for k in from..to {
-                if k == from || higher[k] != higher[k - 1] {
-                    higher[kept] = higher[k];
-                    kept += 1;
+            let to = starts[node + 1] as usize;
+            keys[from..to].sort_unstable();
+            starts[node] = higher.len() as u32;
+            let mut last = None;
+            for key in &keys[from..to] {
+                let other = (key >> 32) as u32;
+                if last.replace(other) != Some(other) {
+                    higher.push(other);
                 }
+                of_cells[*key as u32 as usize] = higher.len() as u32 - 1;
             }
+            from = to;
         }
-        starts[nodes] = kept as u32;
-        higher.truncate(kept);
+        starts[nodes] = higher.len() as u32;
         higher.shrink_to_fit();
-        Self { starts, higher }
+        Self { starts, higher, of_cells }
     }
 
     /// Number of edges.
@@ -52,11 +58,16 @@ impl Edges {
         self.higher.len()
     }
 
+    /// Number of the edge between two vertices of a cell, the later one second.
+    #[inline(always)]
+    pub(crate) fn of_cell<const V: usize>(&self, cell: usize, [i, j]: [usize; 2]) -> usize {
+        self.of_cells[V * (V - 1) / 2 * cell + j * (j - 1) / 2 + i] as usize
+    }
+
     /// Number of the edge between two nodes.
     ///
     /// # Panics
     /// If there is none.
-    #[inline]
     pub(crate) fn between(&self, one: u32, two: u32) -> usize {
         let (lower, other) = (one.min(two) as usize, one.max(two));
         let (from, to) = (self.starts[lower] as usize, self.starts[lower + 1] as usize);
@@ -95,5 +106,6 @@ mod tests {
         let edges = Edges::new(4, &[[2, 0, 1], [1, 2, 3]]);
         assert_eq!(edges.ends(), [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3]]);
         assert_eq!(edges.between(3, 1), 3);
+        assert_eq!([[0, 1], [0, 2], [1, 2]].map(|ends| edges.of_cell::<3>(1, ends)), [2, 3, 4]);
     }
 }

@@ -103,7 +103,11 @@ pub fn centroid<const D: usize, const V: usize>(vertices: [[f64; D]; V]) -> [f64
 pub(super) fn bounds<const D: usize>(points: &[[f64; D]]) -> [[f64; 2]; D] {
     std::array::from_fn(|d| {
         points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[least, greatest], point| {
-            [least.min(point[d]), greatest.max(point[d])]
+            // Shorter than the functions for this, which look for NaN.
+            [
+                if point[d] < least { point[d] } else { least },
+                if point[d] > greatest { point[d] } else { greatest },
+            ]
         })
     })
 }

@@ -75,7 +75,7 @@ impl<const V: usize> CellPart<V> {
 /// Parts of cells at most over a whole mesh, besides one for each cell.
 const MOST_PARTS: usize = 1 << 17;
 /// Cells between which their parts are added to the sums.
-const RUN: usize = 1 << 16;
+const RUN: usize = 1 << 12;
 
 /// Cells of the mesh before, with the same f.
 #[derive(Clone, Copy)]

@@ -54,7 +54,7 @@ pub use errors::mesh_errors;
 
 pub(crate) use builtin::square_with_sides;
 pub use builtin::{lattice_mesh, uniform_cube, uniform_square};
-pub(crate) use facets::{sides_of, sorted};
+pub(crate) use facets::sorted;
 pub use geometry::{Element, centroid, size, volume};
 use geometry::{bounds, longest_side};
 pub(crate) use geometry::{difference, dot, measure};
@@ -65,7 +65,7 @@ pub use nested::refined;
 pub(crate) use nested::{NestedMeshes, nested_meshes};
 pub(crate) use origin::{MeshOrigin, PlaneInSpace};
 pub use refine::{Refined, refine};
-pub(crate) use sides::{BoundarySide, Neighbour, Sides};
+pub(crate) use sides::{BoundarySide, Neighbour, Sides, position};
 pub(crate) use source::on_regions;
 
 use crate::problem::law::Law;

@@ -35,10 +35,7 @@ pub(crate) fn nested_meshes<const D: usize, const V: usize>(
     }
     let finest = &meshes[meshes.len() - 1];
     let sides = Sides::new(finest);
-    let network = match &sides.edges {
-        Some(edges) => assemble_edges(finest, edges),
-        None => assemble_sides(finest, &sides),
-    };
+    let network = assemble_sides(finest, &sides);
     networks.push(NestedNetwork { network, parents: between });
     Ok(NestedMeshes { meshes, networks, sides })
 }

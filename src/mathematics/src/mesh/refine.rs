@@ -40,30 +40,19 @@ const TETRAHEDRA: [[Vertex; 4]; 8] = [
 /// Children of an edge.
 const EDGES: [[Vertex; 2]; 2] = [[[0, 0], [0, 1]], [[0, 1], [1, 1]]];
 
-/// Numbers of the nodes of the refined mesh.
-struct NodeNumbers<'a> {
-    old: usize,
-    edges: &'a Edges,
-}
-
-impl NodeNumbers<'_> {
-    /// Adds the children of a simplex to `out`.
-    fn split<const K: usize>(&self, nodes: [u32; K], out: &mut Vec<[u32; K]>) {
-        let number = |[a, b]: Vertex| match a == b {
-            true => nodes[a],
-            false => (self.old + self.edges.between(nodes[a], nodes[b])) as u32,
-        };
-        match K {
-            2 => out.extend(EDGES.iter().map(|child| std::array::from_fn(|k| number(child[k])))),
-            3 => {
-                out.extend(TRIANGLES.iter().map(|child| std::array::from_fn(|k| number(child[k]))));
-            }
-            _ => {
-                out.extend(
-                    TETRAHEDRA.iter().map(|child| std::array::from_fn(|k| number(child[k]))),
-                );
-            }
-        }
+/// Adds the children of a simplex to `out`; `middle` is the midpoint of the edge between two vertices, the later one
+/// second.
+#[inline(always)]
+fn split<const K: usize>(
+    nodes: [u32; K],
+    middle: impl Fn(Vertex) -> usize,
+    out: &mut Vec<[u32; K]>,
+) {
+    let number = |[a, b]: Vertex| if a == b { nodes[a] } else { middle([a, b]) as u32 };
+    match K {
+        2 => out.extend(EDGES.iter().map(|child| std::array::from_fn(|k| number(child[k])))),
+        3 => out.extend(TRIANGLES.iter().map(|child| std::array::from_fn(|k| number(child[k])))),
+        _ => out.extend(TETRAHEDRA.iter().map(|child| std::array::from_fn(|k| number(child[k])))),
     }
 }
 
@@ -89,18 +78,17 @@ pub(super) fn refine_edges<const D: usize, const V: usize>(
         return Err(MeshError::TooManyNodes { cells: children * mesh.cells.len() });
     }
     let (old, parents) = (mesh.points.len(), edges.ends());
-    let numbers = NodeNumbers { old, edges };
     let mut points = Vec::with_capacity(old + parents.len());
     points.extend_from_slice(&mesh.points);
     points.extend(parents.iter().map(|&[a, b]| {
         let [a, b] = [mesh.points[a as usize], mesh.points[b as usize]];
         std::array::from_fn(|d| 0.5 * (a[d] + b[d]))
     }));
-    mesh.put_on_curves(&numbers, &mut points);
+    mesh.put_on_curves(edges, &mut points);
     let count = children * mesh.cells.len();
     let (mut cells, mut regions) = (Vec::with_capacity(count), Vec::with_capacity(count));
-    for (cell, &region) in mesh.cells.iter().zip(&mesh.regions) {
-        numbers.split(*cell, &mut cells);
+    for (number, (cell, &region)) in mesh.cells.iter().zip(&mesh.regions).enumerate() {
+        split(*cell, |ends| old + edges.of_cell::<V>(number, ends), &mut cells);
         regions.resize(cells.len(), region);
     }
     let mut elements = Vec::new();
@@ -114,7 +102,8 @@ pub(super) fn refine_edges<const D: usize, const V: usize>(
     let mut pieces = Vec::new();
     for facet in &mesh.facets {
         pieces.clear();
-        numbers.split(facet.nodes, &mut pieces);
+        let nodes = facet.nodes;
+        split(nodes, |[a, b]| old + edges.between(nodes[a], nodes[b]), &mut pieces);
         facets.extend(pieces.iter().map(|&nodes| Facet { nodes, part: facet.part }));
     }
     let refined = Mesh {
@@ -135,10 +124,11 @@ pub(super) fn refine_edges<const D: usize, const V: usize>(
 
 impl<const D: usize, const V: usize> Mesh<D, V> {
     /// Moves the midpoints of edges of curved parts onto the curves.
-    fn put_on_curves(&self, numbers: &NodeNumbers<'_>, points: &mut [[f64; D]]) {
+    fn put_on_curves(&self, edges: &Edges, points: &mut [[f64; D]]) {
         for CurvedEdge { ends, course } in self.curved_edges() {
-            let edge = numbers.edges.between(ends[0], ends[1]);
-            points[numbers.old + edge] = course.middle(ends.map(|node| self.points[node as usize]));
+            let edge = edges.between(ends[0], ends[1]);
+            points[self.points.len() + edge] =
+                course.middle(ends.map(|node| self.points[node as usize]));
         }
     }
 }

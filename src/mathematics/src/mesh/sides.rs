@@ -1,6 +1,6 @@
 //! Sides of the cells of a triangulation, each numbered once, with the cells that share them.
 
-use super::{Edges, Mesh, sides_of, sorted};
+use super::{Edges, Mesh, sorted};
 
 /// Sides of all cells: edges in the plane, triangles in space.
 pub(crate) struct Sides<const V: usize> {
@@ -37,18 +37,20 @@ impl<const V: usize> Sides<V> {
     /// Sides of a mesh, in the order of their nodes. Each side is found twice: in two cells, or in a cell and among the
     /// facets of the boundary.
     pub(crate) fn new<const D: usize>(mesh: &Mesh<D, V>) -> Self {
-        let places = places_in_order(mesh);
-        let (pairs, rest) = places.as_chunks::<2>();
+        let edges = (D > 2).then(|| Edges::new(mesh.points().len(), mesh.cells()));
+        let keys = keys_in_order(mesh, edges.as_ref());
+        let (pairs, rest) = keys.as_chunks::<2>();
         assert!(rest.is_empty(), "each side is found twice");
         let cells = mesh.cells().len() as u32;
         let mut sides = Self {
             of_cell: vec![[0; V]; cells as usize],
             both_cells: Vec::with_capacity(pairs.len()),
             of_facet: vec![BoundarySide::default(); mesh.facets().len()],
-            edges: (D > 2).then(|| Edges::new(mesh.points().len(), mesh.cells())),
+            edges,
         };
         for (side, pair) in pairs.iter().enumerate() {
-            let owners = pair.map(|place| {
+            let owners = pair.map(|key| {
+                let place = key as u32;
                 let (cell, vertex) = (place / V as u32, place % V as u32);
                 match cell < cells {
                     true => {
@@ -82,20 +84,20 @@ impl<const V: usize> Sides<V> {
         self.edges.as_ref().map_or(self.len(), Edges::len)
     }
 
-    /// Number of the edge between two vertices of a cell with these nodes.
+    /// Number of the edge between two vertices of a cell, the later one second.
     #[inline(always)]
-    pub(crate) fn edge(&self, cell: u32, nodes: &[u32; V], [i, j]: [usize; 2]) -> usize {
+    pub(crate) fn edge(&self, cell: u32, [i, j]: [usize; 2]) -> usize {
         match &self.edges {
             // The side lies opposite to the third vertex.
             None => self.numbers(cell)[3 - i - j] as usize,
-            Some(edges) => edges.between(nodes[i], nodes[j]),
+            Some(edges) => edges.of_cell::<V>(cell as usize, [i, j]),
         }
     }
 
     /// Position of a side among the sides of a cell.
+    #[inline(always)]
     pub(crate) fn slot(&self, cell: u32, side: u32) -> usize {
-        let sides = &self.of_cell[cell as usize];
-        sides.iter().position(|&other| other == side).expect("the side is one of the cell")
+        position(&self.of_cell[cell as usize], side)
     }
 
     /// Neighbour of a cell across one of the cell's sides.
@@ -134,64 +136,69 @@ impl<const V: usize> Sides<V> {
     }
 }
 
-/// Nodes, in increasing order, of the side at a place: the sides of all cells come first, then the facets.
-fn side_at<const D: usize, const V: usize>(mesh: &Mesh<D, V>, place: u32) -> [u32; D] {
-    let (cell, vertex) = (place as usize / V, place as usize % V);
-    sorted(match mesh.cells().get(cell) {
-        Some(cell) => sides_of(cell)[vertex],
-        None => mesh.facets()[place as usize - V * mesh.cells().len()].nodes,
-    })
+/// Position in an array of a number that it has: a search would end where no processor can guess.
+#[inline(always)]
+pub(crate) fn position<const V: usize>(numbers: &[u32; V], number: u32) -> usize {
+    debug_assert!(numbers.contains(&number));
+    let mut position = 0;
+    for (k, other) in numbers.iter().enumerate() {
+        position += k * usize::from(*other == number);
+    }
+    position
 }
 
-/// Places of all sides in the order of their nodes, those of equal nodes in increasing order.
-fn places_in_order<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Vec<u32> {
-    // Sorted by the first node through counts, then in small groups.
-    let nodes = mesh.points().len();
-    let mut starts = vec![0u32; nodes + 1];
-    for_each_first(mesh, |_, first| starts[first as usize + 1] += 1);
-    for node in 0..nodes {
-        starts[node + 1] += starts[node];
+/// Keys of all sides in the order of their nodes: the last node and the place, where the sides of all cells come first,
+/// then the facets. The edges are those in space.
+fn keys_in_order<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    edges: Option<&Edges>,
+) -> Vec<u64> {
+    // Sorted by all nodes but the last, a node or an edge, through counts, then in small groups.
+    let count = edges.map_or(mesh.points().len(), Edges::len);
+    let mut starts = vec![0u32; count + 1];
+    for_each_side(mesh, edges, |group, _| starts[group + 1] += 1);
+    for group in 0..count {
+        starts[group + 1] += starts[group];
     }
-    let mut places = vec![0; V * mesh.cells().len() + mesh.facets().len()];
-    // The start of each node moves to its end, which is the start of the next one.
-    for_each_first(mesh, |place, first| {
-        let next = &mut starts[first as usize];
-        places[*next as usize] = place;
+    let mut keys = vec![0; V * mesh.cells().len() + mesh.facets().len()];
+    // The start of each group moves to its end, which is the start of the next one.
+    for_each_side(mesh, edges, |group, key| {
+        let next = &mut starts[group];
+        keys[*next as usize] = key;
         *next += 1;
     });
-    let (mut from, mut keys) = (0, Vec::new());
-    for &to in &starts[..nodes] {
-        let group = &mut places[from as usize..to as usize];
-        keys.clear();
-        for &place in &*group {
-            let others = side_at(mesh, place);
-            let [second, third] = [others[1], if D == 3 { others[D - 1] } else { 0 }];
-            // Second and third node and place in one number, which is compared faster than three.
-            keys.push((u128::from(second) << 64) | (u128::from(third) << 32) | u128::from(place));
-        }
-        keys.sort_unstable();
-        group.iter_mut().zip(&keys).for_each(|(place, key)| *place = *key as u32);
+    let mut from = 0;
+    for &to in &starts[..count] {
+        keys[from as usize..to as usize].sort_unstable();
         from = to;
     }
-    places
+    keys
 }
 
-/// Calls a function with the place of each side and its lowest node.
-fn for_each_first<const D: usize, const V: usize>(
+/// Calls a function with the node or edge and the key of each side.
+#[inline(always)]
+fn for_each_side<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
-    mut visit: impl FnMut(u32, u32),
+    edges: Option<&Edges>,
+    mut visit: impl FnMut(usize, u64),
 ) {
-    let mut place = 0;
-    for cell in mesh.cells() {
-        for vertex in 0..V {
-            let others = (0..V).filter(|k| *k != vertex).map(|k| cell[k]);
-            visit(place, others.fold(u32::MAX, u32::min));
-            place += 1;
+    for (number, cell) in mesh.cells().iter().enumerate() {
+        let nodes = sorted(*cell);
+        for rank in 0..V {
+            // Without one of them the nodes are still in order.
+            let [first, second, last] = [0, 1, D - 1].map(|k| nodes[k + usize::from(k >= rank)]);
+            let group = edges.map_or(first as usize, |edges| {
+                let [i, j] = [first, second].map(|node| position(cell, node));
+                edges.of_cell::<V>(number, [i.min(j), i.max(j)])
+            });
+            let place = V * number + position(cell, nodes[rank]);
+            visit(group, (u64::from(last) << 32) | place as u64);
         }
     }
-    for facet in mesh.facets() {
-        visit(place, facet.nodes.into_iter().fold(u32::MAX, u32::min));
-        place += 1;
+    for (place, facet) in (V * mesh.cells().len()..).zip(mesh.facets()) {
+        let nodes = sorted(facet.nodes);
+        let group = edges.map_or(nodes[0] as usize, |edges| edges.between(nodes[0], nodes[1]));
+        visit(group, (u64::from(nodes[D - 1]) << 32) | place as u64);
     }
 }
 

@@ -4,7 +4,8 @@
 use crate::mesh::{Sides, difference, dot};
 
 /// Fluxes through a side, one for each of its nodes by increasing numbers: what would leave if the density were that at
-/// the node everywhere. Between the nodes the density is linear, and the mean of the fluxes is the flux.
+/// the node everywhere. Between the nodes the density is linear, and the mean of the fluxes is the flux. In space they
+/// are equal.
 pub(super) type SideFlux<const D: usize> = [f64; D];
 
 /// Outflows of a cell with these nodes, by the vertex opposite to the side and the vertex at which the density is
@@ -16,16 +17,13 @@ pub(super) fn outflows<const D: usize, const V: usize>(
     nodes: &[u32; V],
     flux: &[SideFlux<D>],
 ) -> [[f64; V]; V] {
-    let mut ranks = [0; V];
-    for (rank, node) in ranks.iter_mut().zip(nodes) {
-        *rank = nodes.iter().filter(|other| *other < node).count();
-    }
     let mut outflows = [[0.0; V]; V];
     for (opposite, side) in sides.numbers(cell).into_iter().enumerate() {
         let sign = if sides.leaves(cell, side) { 1.0 } else { -1.0 };
         for vertex in (0..V).filter(|vertex| *vertex != opposite) {
-            let rank = ranks[vertex] - usize::from(ranks[opposite] < ranks[vertex]);
-            outflows[opposite][vertex] = sign * flux[side as usize][rank];
+            // In space the density is constant along a side.
+            let is_second = D == 2 && nodes[vertex] > nodes[3 - opposite - vertex];
+            outflows[opposite][vertex] = sign * flux[side as usize][usize::from(is_second)];
         }
     }
     outflows
@@ -74,6 +72,7 @@ pub(super) fn total<const D: usize, const V: usize>(values: &[[f64; D]; V]) -> [
 }
 
 /// Upper bound of the square of the norm of a field for any signs of the outflows, the size of its rounding errors.
+#[inline(always)]
 pub(super) fn largest_square<const D: usize, const V: usize>(
     vertices: &[[f64; D]; V],
     volume: f64,
@@ -81,17 +80,16 @@ pub(super) fn largest_square<const D: usize, const V: usize>(
 ) -> f64 {
     // By the density, since the square of an outflow times a length may exceed the range of numbers.
     let inverse = 1.0 / (D as f64 * volume);
-    let (mut sum, mut squares) = (0.0, 0.0);
-    for vertex in 0..V {
-        let mut length = 0.0;
-        for opposite in (0..V).filter(|opposite| *opposite != vertex) {
-            let edge = difference(vertices[vertex], vertices[opposite]);
-            length += inverse * outflows[opposite][vertex].abs() * dot(edge, edge).sqrt();
+    let mut squares = 0.0;
+    for one in 0..V {
+        for two in 0..one {
+            let edge = difference(vertices[one], vertices[two]);
+            let most = inverse * outflows[one][two].abs().max(outflows[two][one].abs());
+            squares += 2.0 * edge.iter().map(|x| (most * x) * (most * x)).sum::<f64>();
         }
-        sum += length;
-        squares += length * length;
     }
-    volume * (squares + sum * sum) / (V * (V + 1)) as f64
+    // The square of a sum is at most the sum of the squares times their number: D fields at each vertex, V vertices.
+    volume * squares * (D * (V + 1)) as f64 / (V * (V + 1)) as f64
 }
 
 #[cfg(test)]

@@ -31,16 +31,10 @@ struct EdgeBubble {
     magnitude: f64,
 }
 
-impl EdgeBubble {
-    /// Factor that is best for the bubble alone.
-    fn size(self) -> f64 {
-        self.residual / self.stiffness
-    }
-}
-
-/// Pairs of vertices of a cell, at most [`MOST_EDGES`].
-fn pairs<const V: usize>() -> impl Iterator<Item = [usize; 2]> {
-    (0..V).flat_map(|j| (0..j).map(move |i| [i, j]))
+/// Pairs of vertices of a cell.
+fn pairs<const V: usize>() -> &'static [[usize; 2]] {
+    const PAIRS: [[usize; 2]; MOST_EDGES] = [[0, 1], [0, 2], [1, 2], [0, 3], [1, 3], [2, 3]];
+    &PAIRS[..V * (V - 1) / 2]
 }
 
 /// Returns a lower bound of `|grad (u - w)|` for a nodal vector w in K.
@@ -52,11 +46,14 @@ pub(super) fn lower<const D: usize, const V: usize>(
     among_threads(COST * mesh.cells().len(), || {
         let bubbles = bubbles(problem, w);
         let (mut product, mut rounding) = (0.0, 0.0);
-        for bubble in &bubbles {
-            product += bubble.size() * bubble.residual;
-            rounding += bubble.size().abs() * bubble.magnitude;
+        let mut sizes = Vec::with_capacity(bubbles.len());
+        for EdgeBubble { residual, stiffness, magnitude } in bubbles {
+            // The factor that is best for the bubble alone.
+            let size = residual / stiffness;
+            product += size * residual;
+            rounding += size.abs() * magnitude;
+            sizes.push(size);
         }
-        let sizes: Vec<f64> = bubbles.into_iter().map(EdgeBubble::size).collect();
         let square = square(mesh, problem.sides, &sizes);
         let product = product - ROUNDINGS * f64::EPSILON * rounding;
         // Sums of as many terms as there are cells.
@@ -72,34 +69,37 @@ fn bubbles<const D: usize, const V: usize>(
     w: &[f64],
 ) -> Vec<EdgeBubble> {
     let &BoundedProblem { mesh, sides, f, .. } = problem;
-    let of_cell = |number: usize, parts: &mut [EdgeBubble; MOST_EDGES]| {
+    let of_cell = |number: usize, parts: &mut [EdgeBubble]| {
         let nodes = &mesh.cells()[number];
         let element = Element::new(mesh.vertices(nodes));
         let slope = gradient(&element, at_nodes(nodes, w));
         // The mean of f is not enough where f is not constant.
         let is_whole = f.cells.deviation.as_ref().is_none_or(|deviation| deviation[number] == 0.0);
         let load = 4.0 * f.cells.mean[number] * element.volume / (V * (V + 1)) as f64;
-        for (part, [i, j]) in parts.iter_mut().zip(pairs::<V>()) {
+        for (k, &[i, j]) in pairs::<V>().iter().enumerate() {
             let [p, q] = [element.gradients[i], element.gradients[j]];
             let work = 4.0 * element.volume * (dot(slope, p) + dot(slope, q)) / V as f64;
             let square = 2.0 * (dot(p, p) + dot(q, q) + dot(p, q));
             let stiffness = 16.0 * element.volume * square / (V * (V + 1)) as f64;
             let stiffness = if is_whole { stiffness } else { f64::INFINITY };
             let (residual, magnitude) = (load - work, load.abs() + work.abs());
-            *part = EdgeBubble { residual, stiffness, magnitude };
+            parts[k] = EdgeBubble { residual, stiffness, magnitude };
         }
     };
     let mut bubbles = vec![EdgeBubble::default(); sides.edges()];
-    let mut parts = vec![[EdgeBubble::default(); MOST_EDGES]; RUN.min(mesh.cells().len())];
-    let each = items_per_task(parts.len(), COST);
+    let edges = pairs::<V>().len();
+    let mut parts = vec![EdgeBubble::default(); edges * RUN.min(mesh.cells().len())];
+    let each = items_per_task(parts.len() / edges, COST);
     for (start, cells) in (0..).step_by(RUN).zip(mesh.cells().chunks(RUN)) {
-        let parts = &mut parts[..cells.len()];
-        for_runs(parts, each, &|run, parts| {
-            (start + run * each..).zip(parts).for_each(|(number, parts)| of_cell(number, parts));
+        let parts = &mut parts[..edges * cells.len()];
+        for_runs(parts, edges * each, &|run, parts| {
+            let numbers = start + run * each..;
+            numbers.zip(parts.chunks_exact_mut(edges)).for_each(|(k, parts)| of_cell(k, parts));
         });
-        for ((number, nodes), parts) in (start..).zip(cells).zip(&*parts) {
-            for (part, ends) in parts.iter().zip(pairs::<V>()) {
-                let bubble = &mut bubbles[sides.edge(number as u32, nodes, ends)];
+        for (number, parts) in (start..).zip(parts.chunks_exact(edges)) {
+            for (k, &ends) in pairs::<V>().iter().enumerate() {
+                let part = parts[k];
+                let bubble = &mut bubbles[sides.edge(number as u32, ends)];
                 bubble.residual += part.residual;
                 bubble.stiffness += part.stiffness;
                 bubble.magnitude += part.magnitude;
@@ -112,9 +112,9 @@ fn bubbles<const D: usize, const V: usize>(
         let given =
             4.0 / (D * (D + 1)) as f64 * PartLaw::new(law, measure(mesh.corners(facet))).least;
         if law != Law::FREE {
-            let (nodes, opposite) = (&mesh.cells()[cell as usize], sides.slot(cell, side));
-            for ends in pairs::<V>().filter(|ends| !ends.contains(&opposite)) {
-                let edge = sides.edge(cell, nodes, ends);
+            let opposite = sides.slot(cell, side);
+            for &ends in pairs::<V>().iter().filter(|ends| !ends.contains(&opposite)) {
+                let edge = sides.edge(cell, ends);
                 if law.is_free() {
                     bubbles[edge].residual += given;
                     bubbles[edge].magnitude += given.abs();
@@ -138,8 +138,8 @@ fn square<const D: usize, const V: usize>(
         let Element { volume, gradients, .. } = Element::new(mesh.vertices(nodes));
         // The gradient of 4 p q is 4 grad q where p is 1.
         let mut slopes = [[0.0; D]; V];
-        for [i, j] in pairs::<V>() {
-            let size = 4.0 * sizes[sides.edge(number as u32, nodes, [i, j])];
+        for &[i, j] in pairs::<V>() {
+            let size = 4.0 * sizes[sides.edge(number as u32, [i, j])];
             for d in 0..D {
                 slopes[i][d] += size * gradients[j][d];
                 slopes[j][d] += size * gradients[i][d];
@@ -182,8 +182,10 @@ mod tests {
         let mut expected = 0.0;
         for (number, nodes) in mesh.cells().iter().enumerate() {
             let element = Element::new(mesh.vertices(nodes));
-            for (one, two) in pairs::<V>().flat_map(|one| pairs::<V>().map(move |two| (one, two))) {
-                let [p, q] = [one, two].map(|ends| sizes[sides.edge(number as u32, nodes, ends)]);
+            for (&one, &two) in
+                pairs::<V>().iter().flat_map(|one| pairs::<V>().iter().map(move |two| (one, two)))
+            {
+                let [p, q] = [one, two].map(|ends| sizes[sides.edge(number as u32, ends)]);
                 expected += p * q * product(&element, one, two);
             }
         }

@@ -22,13 +22,13 @@
 //! First, sigma is a field of Raviart and Thomas of lowest order: one number for each side. Step 1 forms a part of the
 //! flux for each node (Braess and Schöberl, Math. Comp. 77, 2008): the outflow of each cell around the node is the
 //! integral of `grad w . grad phi - f phi`, phi the hat function, and the flux through a side stays as near as can be
-//! to its share of `grad w . n` (`ring.rs`, in space `fan.rs`). Both integrals are exact where f is constant on shapes:
-//! their sums around a node without a reaction vanish, so that the part depends on the mesh alone, not on the numbers
-//! of cells and nodes. The distance that is made least is the one between the part of sigma and that share as fields on
-//! the cells (`circulation.rs`): with another measure a part of sigma along the sides stays, and on fine meshes the
-//! bounds exceed the error by any factor. The reaction at a boundary node leaves through the facets at the node as far
-//! as the law allows and w is zero there, or the node belongs to the contact (`reaction.rs`); else, and for the
-//! residual at other nodes, all outflows around the node are changed alike, so that a vector after few steps of an
+//! to its share of `grad w . n` (`ring.rs`, in space `circulation.rs`). Both integrals are exact where f is constant on
+//! shapes: their sums around a node without a reaction vanish, so that the part depends on the mesh alone, not on the
+//! numbers of cells and nodes. The distance that is made least is the one between the part of sigma and that share as
+//! fields on the cells (`circulation.rs`): with another measure a part of sigma along the sides stays, and on fine
+//! meshes the bounds exceed the error by any factor. The reaction at a boundary node leaves through the facets at the
+//! node as far as the law allows and w is zero there, or the node belongs to the contact (`reaction.rs`); else, and for
+//! the residual at other nodes, all outflows around the node are changed alike, so that a vector after few steps of an
 //! iteration has nearly the bounds of the last one. In the plane, a sweep over circulations around all nodes then
 //! lowers the norm of sigma (`stream.rs`). Step 2 restores the balance of each cell (`balance.rs`): sigma is a flux, to
 //! rounding, for every vector.
@@ -52,7 +52,6 @@ mod cells;
 mod circulation;
 mod curve;
 mod fan;
-mod few;
 mod forest;
 mod limits;
 mod linear;
@@ -77,9 +76,9 @@ use crate::problem::law::ContactNode;
 use around::FirstCells;
 use balance::balance;
 use cells::Cells;
-use circulation::Circulations;
+use circulation::PatchRoom;
 pub(crate) use curve::curve_shares;
-use fan::Fan;
+use fan::Fans;
 use forest::CellForest;
 use linear::SideFlux;
 use lower::lower;
@@ -304,9 +303,9 @@ fn equilibrated<const D: usize, const V: usize>(
 }
 
 /// Nodes whose patches one thread computes before their fluxes are added.
-const RUN: usize = 64;
+const RUN: usize = 1 << 11;
 /// Number of such runs between additions.
-const RUNS: usize = 64;
+const RUNS: usize = 4;
 /// Numbers whose work takes as long as that on a patch.
 const COST: usize = 64;
 
@@ -320,37 +319,44 @@ struct SideOutflow {
 /// Storage for the patches of nodes, one after the other.
 struct Patches<'a, const D: usize, const V: usize> {
     ring: Ring<'a, D, V>,
-    fan: Fan<'a, D, V>,
-    circulations: Circulations,
+    fans: Fans<'a, D, V>,
+    room: PatchRoom,
 }
 
 impl<'a, const D: usize, const V: usize> Patches<'a, D, V> {
     fn new(cells: Cells<'a, D, V>, sides: &'a Sides<V>, triangles: &'a [Triangle]) -> Self {
-        let (ring, fan) = (Ring::new(cells, sides, triangles), Fan::new(cells, sides));
-        Self { ring, fan, circulations: Circulations::default() }
+        let (ring, fans) = (Ring::new(cells, sides, triangles), Fans::new(cells, sides));
+        Self { ring, fans, room: PatchRoom::default() }
     }
 
-    /// Adds the outflows of the patch of a node to a list.
-    fn add(&mut self, node: u32, around: &FirstCells, outflows: &mut Vec<SideOutflow>) {
-        let Self { ring, fan, circulations } = self;
-        let all = fan.mesh.cells();
-        if D == 2 {
-            ring.begin(node);
-            while let Some(cell) = around.next(node, &ring.found, all) {
-                ring.find(cell);
-                ring.equilibrate();
-                ring.add_to(outflows);
-            }
-        } else {
-            fan.begin(node, around.count(node));
-            while let Some(cell) = around.next(node, &fan.found, all) {
-                fan.find(cell);
-                fan.prescribe();
-                fan.carry();
-                circulations.minimise(fan);
-                fan.add_to(outflows);
+    /// Outflows of the patches of some nodes.
+    fn outflows(
+        &mut self,
+        nodes: &[u32],
+        around: &FirstCells,
+        cells: &Cells<'_, D, V>,
+    ) -> Vec<SideOutflow> {
+        let (Self { ring, fans, room }, all) = (self, cells.mesh.cells());
+        let mut outflows = Vec::with_capacity(8 * RUN);
+        for &node in nodes {
+            if D == 2 {
+                ring.begin(node);
+                while let Some(cell) = around.next(node, &ring.found, all) {
+                    ring.find(cell);
+                    ring.equilibrate();
+                    ring.add_to(&mut outflows);
+                }
+            } else {
+                fans.begin(node);
+                while let Some(cell) = around.next(node, &fans.found, all) {
+                    if let Some(plan) = fans.take(cell, around.count(node), &mut outflows) {
+                        room.finish(cells, plan, &mut outflows);
+                    }
+                }
             }
         }
+        fans.plans().iter_mut().for_each(|plan| room.finish(cells, plan, &mut outflows));
+        outflows
     }
 }
 
@@ -369,11 +375,7 @@ fn of_patches<const D: usize, const V: usize>(
             0..runs.len(),
             each,
             || Patches::new(*cells, sides, triangles),
-            |patches, run| {
-                let mut outflows = Vec::with_capacity(8 * RUN);
-                runs[run].iter().for_each(|&node| patches.add(node, &around, &mut outflows));
-                outflows
-            },
+            |patches, run| patches.outflows(runs[run], &around, cells),
         );
         for SideOutflow { side, outflow } in parts.into_iter().flatten() {
             flux[side as usize] += outflow;

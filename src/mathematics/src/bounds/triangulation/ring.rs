@@ -5,7 +5,7 @@ use super::SideOutflow;
 use super::cells::Cells;
 use super::reaction::{OpenFacet, OpenNode};
 use super::triangles::Triangle;
-use crate::mesh::{Facet, Neighbour, Sides, measure};
+use crate::mesh::{Facet, Neighbour, Sides, measure, position};
 
 /// Cell of a ring: the node z and, in the positive sense, two others a and b.
 #[derive(Clone, Copy, Debug)]
@@ -93,14 +93,7 @@ impl<'a, const D: usize, const V: usize> Ring<'a, D, V> {
     /// Position of the node among the vertices of a cell.
     #[inline(always)]
     fn vertex(&self, cell: u32) -> usize {
-        let nodes = &self.cells.mesh.cells()[cell as usize];
-        if nodes[0] == self.node {
-            0
-        } else if nodes[1] == self.node {
-            1
-        } else {
-            2
-        }
+        position(&self.cells.mesh.cells()[cell as usize], self.node)
     }
 
     /// Takes the cells from this one on, in the positive sense; returns the facet at the end, if there is one.

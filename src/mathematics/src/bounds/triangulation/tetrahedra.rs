@@ -10,9 +10,9 @@ use crate::mesh::{difference, dot};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tetrahedron {
     /// Edges from the node to a, b and c.
-    edges: [[f64; 3]; 3],
+    pub edges: [[f64; 3]; 3],
     /// Volume, negative where the node, a, b and c are in the negative sense.
-    signed: f64,
+    pub signed: f64,
     /// Integrals of `grad w . grad phi` for the hat functions phi of a, b and c.
     pub work: [f64; 3],
     /// Integral of `|grad phi|^2` for the hat function phi of the node.
@@ -36,38 +36,34 @@ impl Tetrahedron {
     }
 
     /// Volume.
+    #[inline(always)]
     pub(super) fn volume(&self) -> f64 {
         self.signed.abs()
     }
 
-    /// Sense of the circulations: 1 or -1.
-    pub(super) fn sense(&self) -> f64 {
-        1.0f64.copysign(self.signed)
+    /// Edges opposite to the node: the circulations around the edges to a, b and c times `3 signed`.
+    #[inline(always)]
+    fn around(&self) -> [[f64; 3]; 3] {
+        let [a, b, c] = self.edges;
+        [difference(c, b), difference(a, c), difference(b, a)]
     }
 
-    /// Products, times 9, of the circulations around the edges to b and c, to c and a, and to a and b; and of those
-    /// around the edges to a, b and c with the field that has these outflows through the sides opposite to a, b and c,
-    /// less the node's share of `grad w`.
+    /// Products, times 9, of the circulations around the edges to b and c, to c and a, and to a and b.
     #[inline(always)]
-    pub(super) fn products(&self, outflows: [f64; 3]) -> [[f64; 3]; 2] {
-        let ([a, b, c], [of_a, of_b, of_c]) = (self.edges, outflows);
+    pub(super) fn products(&self) -> [f64; 3] {
+        let ([a, b, c], size) = (self.around(), 1.0 / self.volume());
+        [size * dot(b, c), size * dot(c, a), size * dot(a, b)]
+    }
+
+    /// Products, times 9, of the circulations around the edges to a, b and c with the field that has these outflows
+    /// through the sides opposite to a, b and c, less the node's share of `grad w`.
+    #[inline(always)]
+    pub(super) fn loads(&self, [of_a, of_b, of_c]: [f64; 3]) -> [f64; 3] {
         let (p, q, r) = (of_a + self.work[0], of_b + self.work[1], of_c + self.work[2]);
         let (inverse, quarter) = (1.0 / self.signed, 0.25 * (p + q + r));
-        let mean = combined([quarter - p, quarter - q, quarter - r], [a, b, c]);
-        let (around_a, around_b, around_c) = (difference(c, b), difference(a, c), difference(b, a));
-        let size = inverse.abs();
-        [
-            [
-                size * dot(around_b, around_c),
-                size * dot(around_c, around_a),
-                size * dot(around_a, around_b),
-            ],
-            [
-                inverse * dot(around_a, mean),
-                inverse * dot(around_b, mean),
-                inverse * dot(around_c, mean),
-            ],
-        ]
+        let mean = combined([quarter - p, quarter - q, quarter - r], self.edges);
+        let [a, b, c] = self.around();
+        [inverse * dot(a, mean), inverse * dot(b, mean), inverse * dot(c, mean)]
     }
 }
 

@@ -32,8 +32,8 @@ pub(super) fn vary<const D: usize, const V: usize>(
 ) -> Vec<SideFlux<D>> {
     let mut bubbles = Bubbles::new(cells, sides, &triangles, &flux);
     let count = triangles.len() as u32;
-    (0..count).for_each(|cell| (0..V).for_each(|k| bubbles.relax(cell, k)));
-    (0..count).rev().for_each(|cell| (0..V).rev().for_each(|k| bubbles.relax(cell, k)));
+    (0..count).for_each(|cell| bubbles.relax(cell, [0, 1, 2]));
+    (0..count).rev().for_each(|cell| bubbles.relax(cell, [2, 1, 0]));
     let psi = bubbles.psi;
     // The memory is that of the mesh several times.
     drop((bubbles.load, triangles));
@@ -71,32 +71,40 @@ impl<'a, const V: usize> Bubbles<'a, V> {
         Self { sides, triangles, psi: vec![0.0; count], load, limits }
     }
 
-    /// Gives the bubble on the side of a cell opposite to one of its vertices the factor of the least norm, if the flux
-    /// is counted out of this cell.
+    /// Gives the bubbles on the sides of a cell, in this order, the factors of the least norm, each if the flux is
+    /// counted out of this cell.
     #[inline(always)]
-    fn relax(&mut self, cell: u32, k: usize) {
-        let side = self.sides.numbers(cell)[k];
-        let (mut of_next, mut limit) = ([0.0; 2], f64::INFINITY);
-        match self.sides.across(cell, side) {
-            Neighbour::Cell(next) if next < cell => return,
-            Neighbour::Cell(next) => of_next = self.row(next, self.sides.slot(next, side)),
-            Neighbour::Facet(facet) => limit = self.limits[facet as usize],
-        }
-        let [sum, square] = self.row(cell, k);
-        let best = (self.load[side as usize] + sum + of_next[0]) / (square + of_next[1]);
-        // Flat cells keep their flux.
-        if best.is_finite() {
-            self.psi[side as usize] = best.clamp(-limit, limit);
+    fn relax(&mut self, cell: u32, order: [usize; 3]) {
+        let (numbers, couplings) =
+            (self.sides.numbers(cell), self.triangles[cell as usize].couplings);
+        for k in order {
+            let side = numbers[k];
+            let (mut of_next, mut limit) = ([0.0; 2], f64::INFINITY);
+            match self.sides.across(cell, side) {
+                Neighbour::Cell(next) if next < cell => continue,
+                Neighbour::Cell(next) => {
+                    let couplings = self.triangles[next as usize].couplings;
+                    of_next =
+                        self.row(&self.sides.numbers(next), couplings, self.sides.slot(next, side));
+                }
+                Neighbour::Facet(facet) => limit = self.limits[facet as usize],
+            }
+            let [sum, square] = self.row(&numbers, couplings, k);
+            let best = (self.load[side as usize] + sum + of_next[0]) / (square + of_next[1]);
+            // Flat cells keep their flux.
+            if best.is_finite() {
+                self.psi[side as usize] = best.clamp(-limit, limit);
+            }
         }
     }
 
     /// Minus the sum of the products of other bubbles on a cell with that of a side, and its product with itself.
     #[inline(always)]
-    fn row(&self, cell: u32, k: usize) -> [f64; 2] {
-        let (numbers, c) = (self.sides.numbers(cell), &self.triangles[cell as usize].couplings);
-        let [i, j] = [(k + 1) % 3, (k + 2) % 3];
-        let sum = c[j] * self.psi[numbers[i] as usize] + c[i] * self.psi[numbers[j] as usize];
-        [sum, c[0] + c[1] + c[2]]
+    fn row(&self, numbers: &[u32; V], couplings: [f64; 3], k: usize) -> [f64; 2] {
+        let [i, j] = [[1, 2], [2, 0], [0, 1]][k];
+        let [of_i, of_j] = [i, j].map(|k| self.psi[numbers[k] as usize]);
+        let sum = couplings[j] * of_i + couplings[i] * of_j;
+        [sum, couplings.iter().sum()]
     }
 }
 
