@@ -349,3 +349,40 @@ fn laws_of_parts_that_meet_are_refused_where_no_function_has_both() {
     let nearly = Law::above(1.0 + 1e-15, 0.0).unwrap();
     assert_eq!(message([high, Law::FREE, nearly, Law::FREE]), None);
 }
+
+#[test]
+fn true_solutions_lie_in_the_bounds_of_meshes() {
+    let mut dice = Dice(11);
+    let (mut seen, mut found) = (0, 0);
+    while seen < 30 {
+        let (at, free) = (dice.between(-1.0, 1.0), Law::free(dice.between(-1.0, 1.0)).unwrap());
+        // Laws with one value, on all sides or on two that meet; or with two values and free sides between them.
+        let laws = match seen % 3 {
+            0 => [0; 4].map(|_| dice.law().with_at(at).unwrap()),
+            1 => [dice.law(), free, dice.law().with_at(at).unwrap(), free],
+            _ => [dice.law(), dice.law(), free, Law::FREE],
+        };
+        let mesh = rectangle([1.0, 1.0], [2, 2], laws);
+        let [low, high] = [0; 2].map(|_| dice.between(-6.0, 6.0));
+        let f = format!("halfplane(1,0.5,{})={low}; else={high}", dice.between(0.2, 1.0));
+        let Ok(problem) = Problem::on_mesh(&mesh, 4, &f) else { continue };
+        let of_mesh = problem.bounds(&solution(&problem, Solver::Multigrid)).unwrap();
+        let truth = match problem.true_solution() {
+            Ok(truth) => truth,
+            Err(error) if error.to_string().contains(" meet at ") => continue,
+            Err(_) => {
+                seen += 1;
+                continue;
+            }
+        };
+        (seen, found) = (seen + 1, found + 1);
+        let [low, high] = truth.bracket.unwrap();
+        let [least, most] = of_mesh.energy;
+        assert!(low <= most && least <= high, "{laws:?} {f}: {low} {high} {of_mesh:?}");
+        assert!(high - low < 1e-9, "{laws:?} {f}: {low} {high}");
+        let [by_mesh, own] = [&of_mesh, &truth.bounds().unwrap()].map(|bounds| bounds.relative());
+        assert!(own < 1e-4 && own < by_mesh, "{laws:?} {f}: {own} {by_mesh}");
+    }
+    // Contact may end arbitrarily close to corners.
+    assert!(found > 27, "{found}");
+}

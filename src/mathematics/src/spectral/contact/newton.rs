@@ -31,7 +31,7 @@ const PART: f64 = 0.4;
 /// Largest part of the distance to the next split by which an end at rest moves.
 const AT_REST: f64 = 0.1;
 /// Step of an end, in perimeters, that leaves it where it is.
-const NOWHERE: f64 = 1e-7;
+pub(super) const NOWHERE: f64 = 1e-7;
 
 /// Lengths of arcs and gaps, in perimeters, that may be right although they shrink: gaps at corners can be short.
 const ON_TRIAL: Range<f64> = 1e-7..1e-5;
@@ -146,11 +146,16 @@ fn end_steps(setup: &Setup, contact: &[RingContact], fit: &Fit) -> Vec<EndStep> 
             false => -(k * sign).signum() * f64::INFINITY,
         };
         let near = split.lengths[0].min(split.lengths[1]);
+        let beyond = if fit.walk.has_other_flux_after(end.split, which) {
+            split.lengths[which]
+        } else {
+            f64::INFINITY
+        };
         // What grows, grows no more than threefold.
         let room = match wanted > 0.0 {
             // The expansion holds up to the next split only.
             _ if wanted.is_infinite() => PART * near,
-            true => (PART * gap).min(2.0 * arc_length),
+            true => (PART * gap.min(beyond)).min(2.0 * arc_length),
             false => (PART * arc_length).min(2.0 * gap),
         };
         let step = wanted.clamp(-room, room);
@@ -266,7 +271,7 @@ pub(in crate::spectral) fn remove(ring: &mut RingContact, number: usize, is_gap:
 /// corner that is shorter than both moves stays.
 fn keep_off_corners(setup: &Setup, contact: &mut [RingContact]) {
     for (own, ring) in contact.iter_mut().zip(&setup.domain.rings) {
-        let least = 1e-7 * setup.perimeter;
+        let least = NOWHERE * setup.perimeter;
         let turn = ring.length();
         let arcs = own.arcs.iter_mut().filter(|[from, to]| to - from > 2.0 * least);
         for (which, t) in arcs.flat_map(|arc| arc.iter_mut().enumerate()) {

@@ -1,5 +1,6 @@
 //! Signs of v and of the flux on the boundary, and the contact set without those that are wrong.
 
+use super::newton::NOWHERE;
 use crate::problem::law::BoundaryState;
 use crate::spectral::fit::field::{PlaneNode, Sizes};
 use crate::spectral::geometry::boundary::{State, sign};
@@ -46,7 +47,9 @@ impl PlaneVerdict {
         let [above_lo, below_hi] = law.room(node.flux);
         let room = above_lo.min(below_hi) * share;
         let tolerated = FLUX * sizes.flux + RESIDUALS * sizes.residual * share / distance;
-        let verdict = if room < -tolerated {
+        // No end is found nearer to where another law begins.
+        let is_nowhere = node.by_joint && distance < NOWHERE * setup.perimeter;
+        let verdict = if room < -tolerated && !is_nowhere {
             let is_up = above_lo < below_hi;
             Self::Wrong(if is_up { BoundaryState::SlipsUp } else { BoundaryState::SlipsDown })
         } else if share < 0.1 {

@@ -23,8 +23,9 @@ pub(in crate::spectral) struct PlaneNode {
     pub psi_flux: f64,
     pub state: State,
     pub law: Law,
-    /// True if the split next to it is an end of contact.
+    /// True if the split next to it is an end of contact, and if another law begins there.
     pub by_end: bool,
+    pub by_joint: bool,
     /// By how much the condition is missed: by v where it is given, by the integral of dv/dn elsewhere.
     pub residual: f64,
     /// Distance along the loop.
@@ -129,6 +130,7 @@ pub(in crate::spectral) fn node(
         residual: 0.0,
         law: interval.law,
         by_end: fit.walk.splits.get(spot.split).is_some_and(|split| split.end.is_some()),
+        by_joint: fit.walk.splits.get(spot.split).is_some_and(|split| split.joint),
         t: fit.walk.splits[interval.splits[0]].t + spot.s,
         ring: interval.ring,
     }

@@ -70,6 +70,8 @@ pub(in crate::spectral) struct Split {
     pub angle: f64,
     /// True if a corner.
     pub corner: bool,
+    /// True if another law begins here.
+    pub joint: bool,
     /// True if f jumps here.
     pub crossing: bool,
     /// Arc of the contact set that begins (0) or ends (1) here, if that may move.
@@ -149,6 +151,16 @@ impl Walk {
         corner.then_some(CornerBeside { angle, is_mixed: is_held[0] != is_held[1] })
     }
 
+    /// True if the interval before (0) or after (1) a split ends where another law begins, with a flux that is not
+    /// zero: an end of contact may lie as near to that as it likes, but not beyond.
+    pub(in crate::spectral) fn has_other_flux_after(&self, k: usize, side: usize) -> bool {
+        let mut intervals = self.intervals.iter();
+        let Some(own) = intervals.find(|own| own.splits[1 - side] == k) else { return false };
+        let last = &self.splits[own.splits[side]];
+        let has_flux = |state: State| matches!(state, State::Flux(q) if q != 0.0);
+        last.joint && has_flux(last.states[side])
+    }
+
     pub(in crate::spectral) fn new(
         rings: &[PlaneRing],
         contact: &[RingContact],
@@ -194,6 +206,7 @@ impl Walk {
                 lengths: [lengths[before], lengths[k]],
                 angle: if mark.corner { inner_angle(tangents) } else { PI },
                 corner: mark.corner,
+                joint: mark.joint && ring.before(place.side).law != side.law,
                 crossing: mark.crossing,
                 end: mark.end.filter(|_| !mark.corner && states[before] != states[k]),
             });
