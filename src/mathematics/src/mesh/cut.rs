@@ -102,12 +102,8 @@ impl<const D: usize, const V: usize> FramedCell<D, V> {
     /// True if a shape, in the coordinates of the mesh, certainly has no point inside the cell.
     fn is_missed_by(&self, shape: &Shape<D>) -> bool {
         match *shape {
-            Shape::Box(_) => is_beside(shape, &self.bounds),
-            Shape::Ball { centre, radius } => self.is_away_from(centre, radius),
-            Shape::HalfSpace { normal, d } => {
-                let (normal, d) = plain(normal, d);
-                self.is_beyond(normal, d)
-            }
+            Shape::Ball { centre, radius } if self.is_away_from(centre, radius) => true,
+            _ => is_outside(shape, &self.vertices, &self.bounds),
         }
     }
 
@@ -118,12 +114,6 @@ impl<const D: usize, const V: usize> FramedCell<D, V> {
             let normal = self.element.gradients[vertex];
             Shape::HalfSpace { normal, d: dot(normal, self.framed[(vertex + 1) % V]) }
         })
-    }
-
-    /// True if all vertices lie on that side of the line or plane `normal . x = d` where the left side is greater or
-    /// equal.
-    fn is_beyond(&self, normal: [f64; D], d: f64) -> bool {
-        self.vertices.iter().all(|&vertex| dot(normal, vertex) >= d)
     }
 
     /// True if the circle or sphere does not reach across the line or plane of a side of the cell, or across the one at
@@ -146,15 +136,40 @@ impl<const D: usize, const V: usize> FramedCell<D, V> {
     }
 }
 
-/// True if a box or ball has no point inside the box with these bounds, since the box around it has none.
-fn is_beside<const D: usize>(shape: &Shape<D>, bounds: &[[f64; 2]; D]) -> bool {
+/// True if a box, or a ball by the box around it, has no point inside the bounds of a cell, or a half-plane or
+/// half-space none inside the cell.
+fn is_outside<const D: usize, const V: usize>(
+    shape: &Shape<D>,
+    vertices: &[[f64; D]; V],
+    bounds: &[[f64; 2]; D],
+) -> bool {
     let sides = match *shape {
         Shape::Box(sides) => sides,
         Shape::Ball { centre, radius } => centre.map(|x| [x - radius, x + radius]),
-        Shape::HalfSpace { .. } => return false,
+        Shape::HalfSpace { normal, d } => {
+            let (normal, d) = plain(normal, d);
+            return vertices.iter().all(|&vertex| dot(normal, vertex) >= d);
+        }
     };
     let mut both = sides.iter().zip(bounds);
     both.any(|(side, bounds)| side[1] <= bounds[0] || bounds[1] <= side[0])
+}
+
+impl<const D: usize> ConstantPieces<'_, D> {
+    /// Value on a cell with these vertices, if it is quickly seen that there is one.
+    pub(super) fn constant_on<const V: usize>(self, vertices: &[[f64; D]; V]) -> Option<f64> {
+        let bounds = bounds(vertices);
+        for (shape, value) in self.pieces.iter().rev() {
+            // A convex shape covers the cell if it holds the vertices.
+            if vertices.iter().all(|&vertex| shape.contains(vertex)) {
+                return Some(*value);
+            }
+            if !is_outside(shape, vertices, &bounds) {
+                return None;
+            }
+        }
+        Some(self.background)
+    }
 }
 
 /// The pieces that share a cell, with storage for the work on them.
@@ -185,12 +200,11 @@ where
         if f.pieces.is_empty() {
             return CellPart::constant(volume, f.background);
         }
-        let mut framed = None;
-        let background = self.find_across(vertices, &mut framed, f);
-        let is_constant = self.across.iter().all(|&(_, value)| value == background);
-        let Some(cell) = framed.filter(|_| !is_constant) else {
+        let cell = FramedCell::new(vertices);
+        let background = self.find_across(&cell, f);
+        if self.across.iter().all(|&(_, value)| value == background) {
             return CellPart::constant(volume, background);
-        };
+        }
         let moments = Shape::integrate(&mut self.storage, &cell, background, &self.across);
         let whole = cell.element.volume;
         let (one, first) = (moments.one / whole, moments.first.map(|first| first / whole));
@@ -208,25 +222,14 @@ where
         }
     }
 
-    /// Finds the pieces whose borders may cross the cell, which is framed where one is near, and returns the value of f
-    /// where none of them is.
-    fn find_across(
-        &mut self,
-        vertices: [[f64; D]; V],
-        framed: &mut Option<FramedCell<D, V>>,
-        f: ConstantPieces<'_, D>,
-    ) -> f64 {
+    /// Finds the pieces whose borders may cross the cell, and returns the value of f where none of them is.
+    fn find_across(&mut self, cell: &FramedCell<D, V>, f: ConstantPieces<'_, D>) -> f64 {
         self.across.clear();
-        let bounds = bounds(&vertices);
         for (shape, value) in f.pieces.iter().rev() {
             // A convex shape covers the cell if it holds the vertices.
-            if vertices.iter().all(|&vertex| shape.contains(vertex)) {
+            if cell.vertices.iter().all(|&vertex| shape.contains(vertex)) {
                 return *value;
             }
-            if is_beside(shape, &bounds) {
-                continue;
-            }
-            let cell = framed.get_or_insert_with(|| FramedCell::new(vertices));
             if !cell.is_missed_by(shape) {
                 self.across.push((shape.seen_from(cell.origin, cell.unit), *value));
             }

@@ -9,7 +9,7 @@ use super::{Edges, Facet, Mesh, measure, volume};
 use crate::discrete::adaptive::{
     COST, CellValues, LEAST_PARTS, SETTLED, SHARED_POINTS, SampledCell, Sampler, Settling,
 };
-use crate::machine::threads::{items_per_task, map, map_with_room};
+use crate::machine::threads::{items_per_task, map, map_range, map_with_room};
 use crate::problem::error::SourceError;
 use crate::problem::law::Law;
 use crate::problem::shape::Shape;
@@ -146,7 +146,11 @@ where
     for start in (0..cells).step_by(RUN) {
         let run = start..cells.min(start + RUN);
         let each = items_per_task(run.len(), COST);
-        let parts = map_with_room(run, each, CellCutter::new, |cutter, cell| {
+        let constants = map_range(run, each, |cell| work.constant(cell));
+        let others: Vec<_> =
+            (start..).zip(&constants).filter(|(_, value)| value.is_none()).collect();
+        let parts = map_with_room(0..others.len(), each, CellCutter::new, |cutter, k| {
+            let cell = others[k].0;
             let part = work.integrate(cutter, cell, once)?;
             let is_whole = least_parts == 1 || part.difference.is_none();
             let whole = Settling { least_parts: 1, ..once };
@@ -154,8 +158,15 @@ where
             let coarse = on_whole.map_or(part.part.mean, |whole| whole.part.mean);
             Ok::<_, SourceError>((part, coarse))
         });
-        for (cell, found) in (start..).zip(parts) {
-            let (part, coarse) = found?;
+        let mut parts = parts.into_iter();
+        for (cell, &constant) in (start..).zip(&constants) {
+            let (part, coarse) = match constant {
+                Some(value) => {
+                    let of_cell = super::volume(mesh.vertices(&mesh.cells()[cell]));
+                    (WeighedPart::exact(CellPart::constant(of_cell, value)), value)
+                }
+                None => parts.next().expect("a part for each other cell")?,
+            };
             made.size += part.part.size;
             if part.worst > SETTLED * made.size {
                 open.push((cell, part, coarse));
@@ -204,6 +215,12 @@ struct WeighedPart<const V: usize> {
     worst: f64,
 }
 
+impl<const V: usize> WeighedPart<V> {
+    fn exact(part: CellPart<V>) -> Self {
+        Self { part, difference: None, worst: 0.0 }
+    }
+}
+
 /// Mesh and function to be integrated.
 struct CellWork<'a, F: ?Sized, const D: usize, const V: usize> {
     mesh: &'a Mesh<D, V>,
@@ -219,6 +236,13 @@ impl<F: OnCells<D> + ?Sized, const D: usize, const V: usize> CellWork<'_, F, D, 
 where
     Shape<D>: CutShape<D, V>,
 {
+    /// Value of f on a cell, if it is quickly seen that there is one.
+    fn constant(&self, cell: usize) -> Option<f64> {
+        let pieces = self.f.pieces(self.mesh.regions()[cell])?;
+        let before = self.before.and_then(|before| before.constant(cell));
+        before.or_else(|| pieces.constant_on(&self.mesh.vertices(&self.mesh.cells()[cell])))
+    }
+
     /// Integrates over a cell. A tolerance is for the mesh, as [`SETTLED`].
     fn integrate(
         &self,
@@ -230,11 +254,7 @@ where
         let vertices = mesh.vertices(&mesh.cells()[cell]);
         let volume = volume(vertices);
         if let Some(pieces) = self.f.pieces(region) {
-            let part = match self.before.and_then(|before| before.constant(cell)) {
-                Some(value) => CellPart::constant(volume, value),
-                None => cutter.integrate(vertices, volume, pieces),
-            };
-            return Ok(WeighedPart { part, difference: None, worst: 0.0 });
+            return Ok(WeighedPart::exact(cutter.integrate(vertices, volume, pieces)));
         }
         let fraction = volume / self.volume;
         let power = libm::pow(fraction, (D as f64 - 1.0) / D as f64);

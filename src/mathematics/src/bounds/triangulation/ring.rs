@@ -21,7 +21,7 @@ struct RingCell {
     /// Three times the products of the field that turns once around the node with those of an outflow of 1 through zb,
     /// an inflow of 1 through za, and the node's share of `grad w` with the other sign.
     products: [f64; 3],
-    /// Outflow through zb.
+    /// Outflow through zb, but for the circulation around the node.
     outflow: f64,
 }
 
@@ -39,6 +39,11 @@ pub(super) struct Ring<'a, const D: usize, const V: usize> {
     /// Square of the norm of the gradient of the node's hat function, which is also that of the field that turns once
     /// around the node.
     stiffness: f64,
+    /// Sum of the outflows that are wanted, and of the areas.
+    reaction: f64,
+    area: f64,
+    /// Strength of the circulation around the node.
+    strength: f64,
     /// Node.
     node: u32,
     /// Cells found around the node, in the present ring and in others.
@@ -60,6 +65,9 @@ impl<'a, const D: usize, const V: usize> Ring<'a, D, V> {
             ends: None,
             before: 0.0,
             stiffness: 0.0,
+            reaction: 0.0,
+            area: 0.0,
+            strength: 0.0,
             node: u32::MAX,
             found: Vec::new(),
         }
@@ -99,7 +107,7 @@ impl<'a, const D: usize, const V: usize> Ring<'a, D, V> {
     /// Takes the cells from this one on, in the positive sense; returns the facet at the end, if there is one.
     fn follow(&mut self, first: u32) -> Option<u32> {
         self.members.clear();
-        self.stiffness = 0.0;
+        [self.stiffness, self.reaction, self.area] = [0.0; 3];
         let w = self.cells.w;
         let of_z = w[self.node as usize];
         let mut cell = first;
@@ -115,12 +123,15 @@ impl<'a, const D: usize, const V: usize> Ring<'a, D, V> {
             let (to_a, to_b, across) = (za * (of_a - of_z), zb * (of_b - of_z), ab * (of_b - of_a));
             // See `Triangle::turn`.
             let (ahead, behind) = (zb + zb + za, zb + za + za);
+            let wanted = -(to_a + to_b) - self.cells.load(cell, vertex, area);
             self.stiffness += za + zb;
+            self.reaction += wanted;
+            self.area += area;
             self.found.push(cell);
             self.members.push(RingCell {
                 side,
                 leaves: !matches!(next, Neighbour::Cell(next) if next < cell),
-                wanted: -(to_a + to_b) - self.cells.load(cell, vertex, area),
+                wanted,
                 area,
                 products: [ahead, behind, ahead * (to_a - across) - behind * (to_b + across)],
                 outflow: 0.0,
@@ -140,13 +151,8 @@ impl<'a, const D: usize, const V: usize> Ring<'a, D, V> {
     /// cells in proportion to their areas: then the outflows wanted from the cells and those through the boundary have
     /// the same sum.
     pub(super) fn equilibrate(&mut self) {
-        let (mut reaction, mut area) = (0.0, 0.0);
-        for member in &self.members {
-            reaction += member.wanted;
-            area += member.area;
-        }
-        let [before, behind] = self.ends.map_or([0.0; 2], |ends| self.let_out(ends, reaction));
-        let density = (reaction - before - behind) / area;
+        let [before, behind] = self.ends.map_or([0.0; 2], |ends| self.let_out(ends));
+        let density = (self.reaction - before - behind) / self.area;
         self.before = before;
         let (mut inflow, mut product) = (-before, 0.0);
         for member in &mut self.members {
@@ -155,28 +161,27 @@ impl<'a, const D: usize, const V: usize> Ring<'a, D, V> {
             product += of_outflow * member.outflow + of_inflow * inflow + of_share;
             inflow = member.outflow;
         }
+        self.strength = 0.0;
         match self.members.last_mut() {
             Some(last) if self.ends.is_some() => last.outflow = behind,
             _ => {
                 // The circulation by which the distance from the shares of `grad w` becomes least.
                 let strength = -product / (3.0 * self.stiffness);
                 // A ring of flat cells keeps its outflows.
-                if strength.is_finite() {
-                    self.members.iter_mut().for_each(|member| member.outflow += strength);
-                }
+                self.strength = if strength.is_finite() { strength } else { 0.0 };
             }
         }
     }
 
-    /// Outflows through two facets of the boundary for a reaction at the node; see [`OpenNode::let_out`].
-    fn let_out(&self, ends: [u32; 2], reaction: f64) -> [f64; 2] {
+    /// Outflows through two facets of the boundary for the reaction at the node; see [`OpenNode::let_out`].
+    fn let_out(&self, ends: [u32; 2]) -> [f64; 2] {
         let mesh = self.cells.mesh;
         let mut facets = ends.map(|facet| {
             let facet: &Facet<D> = &mesh.facets()[facet as usize];
             OpenFacet { law: mesh.law(facet), measure: measure(mesh.corners(facet)), outflow: 0.0 }
         });
         let (w, stiffness) = (self.cells.w[self.node as usize], self.stiffness);
-        OpenNode::<D> { w, stiffness }.let_out(&mut facets, reaction);
+        OpenNode::<D> { w, stiffness }.let_out(&mut facets, self.reaction);
         facets.map(|facet| facet.outflow)
     }
 
@@ -187,6 +192,7 @@ impl<'a, const D: usize, const V: usize> Ring<'a, D, V> {
             outflows.push(SideOutflow { side, outflow: self.before });
         }
         for &RingCell { side, leaves, outflow, .. } in &self.members {
+            let outflow = outflow + self.strength;
             outflows.push(SideOutflow { side, outflow: if leaves { outflow } else { -outflow } });
         }
     }
