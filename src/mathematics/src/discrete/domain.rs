@@ -74,11 +74,7 @@ impl<'a> DiscreteDomain<'a> {
         let mut largest = Largest::default();
         largest.see(1.0, load);
         match (largest.value(), self) {
-            (0.0, Self::Network(network)) => {
-                let boundary = network.boundary().iter();
-                let products = boundary.map(|of| (network.diagonal()[of.node] * of.law.at()).abs());
-                products.fold(0.0, f64::max)
-            }
+            (0.0, Self::Network(network)) => network.size_of_values(),
             (load, _) => load,
         }
     }

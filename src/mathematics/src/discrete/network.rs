@@ -400,6 +400,12 @@ impl Network {
         })
     }
 
+    /// Largest product of a value at which y sticks and the diagonal entry of its node.
+    pub(crate) fn size_of_values(&self) -> f64 {
+        let products = self.boundary.iter().map(|of| (self.diagonal[of.node] * of.law.at()).abs());
+        products.fold(0.0, f64::max)
+    }
+
     /// Largest product of a value and its diagonal entry.
     pub(crate) fn largest_product(&self, y: &[f64]) -> f64 {
         y.iter().zip(&self.diagonal).fold(0.0, |most, (y, d)| most.max((y * d).abs()))

@@ -102,7 +102,7 @@ pub struct Facts {
     pub extent: f64,
     /// f, in one line.
     pub f: String,
-    /// Integral of f over the domain.
+    /// Integral of f over the domain, and of the flux over the free parts of its boundary.
     pub integral: f64,
     /// Integral of |f|.
     pub size: f64,

@@ -86,7 +86,7 @@ where
             integral: load.integral,
             size: load.size,
             given: load.given,
-            by_quadrature: load.unsettled.is_some(),
+            by_quadrature: load.unsettled.is_some() || !finest.values.is_empty(),
             known,
             notes: finest.notes().into_iter().chain(outside.into_iter().flatten()).collect(),
             is_adapted: false,

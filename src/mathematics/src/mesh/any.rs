@@ -4,7 +4,9 @@ use super::refine;
 use super::{
     BUILT_IN, BuiltIn, Mesh, MeshError, Names, Part, PlaneMesh, Round, SpaceMesh, measure,
 };
+use crate::problem::formula::Formula;
 use crate::problem::law::Law;
+use crate::problem::text::Written;
 use std::any::Any;
 use std::collections::BTreeMap;
 
@@ -193,6 +195,15 @@ impl AnyMesh {
         either!(self, mesh => mesh.set_law(name, law))
     }
 
+    /// Sets the value of the law on the facets of this name to a formula in the coordinates.
+    ///
+    /// # Errors
+    /// A sentence if no facets of the boundary have this name, the text is no formula, or it has no value at a point of
+    /// them.
+    pub fn set_value(&mut self, name: &str, formula: &str) -> Result<(), String> {
+        either!(self, mesh => mesh.set_value(name, formula))
+    }
+
     /// Puts a part of the boundary, and its nodes, on a circle, sphere or cylinder, given by its numbers: the centre
     /// and the radius, or a point, a direction and the radius.
     ///
@@ -280,6 +291,26 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
             }
         }
         shares
+    }
+
+    fn set_value(&mut self, name: &str, formula: &str) -> Result<(), String> {
+        let value = Formula::read(formula, D).map_err(|error| error.to_string())?;
+        for part in self.parts_named(name, "no law holds")? {
+            for facet in self.facets.iter().filter(|facet| usize::from(facet.part) == part) {
+                let corners = self.corners(facet);
+                let centre =
+                    std::array::from_fn(|d| corners.iter().map(|x| x[d]).sum::<f64>() / D as f64);
+                for point in corners.into_iter().chain([centre]) {
+                    if !value.at(&point).is_finite() {
+                        let point = point.map(|x| Written(x).to_string()).join(", ");
+                        return Err(format!("{name}: {formula} has no value at ({point})"));
+                    }
+                }
+            }
+            self.values.retain(|(own, _)| usize::from(*own) != part);
+            self.values.push((part as u16, value.clone()));
+        }
+        Ok(())
     }
 
     /// Length of the longest edge.

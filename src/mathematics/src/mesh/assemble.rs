@@ -78,16 +78,21 @@ pub(crate) fn check_meetings<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
 ) -> Result<(), MeshError> {
     let mut parts: BTreeMap<u32, BTreeSet<u16>> = BTreeMap::new();
+    let nodes = mesh.facets.iter().flat_map(|facet| facet.nodes.map(|node| (facet.part, node)));
+    let largest =
+        nodes.fold(0.0f64, |most, (part, node)| most.max(mesh.law_at(part, node).at().abs()));
     for facet in mesh.facets.iter().filter(|facet| !mesh.law(facet).is_free()) {
         for node in facet.nodes {
             let others = parts.entry(node).or_default();
             for &other in &*others {
-                let pair = [other.min(facet.part), other.max(facet.part)]
-                    .map(|part| &mesh.parts[usize::from(part)]);
-                if pair[0].law.meet(pair[1].law).is_none() {
+                let pair = [other.min(facet.part), other.max(facet.part)];
+                let laws = pair.map(|part| mesh.law_at(part, node));
+                if laws[0].meet(laws[1], largest).is_none() {
                     let point = mesh.points[node as usize].map(|x| Written(x).to_string());
-                    let [one, two] =
-                        pair.map(|part| format!("{}, where {},", part.names, Conditions(part.law)));
+                    let [one, two] = [0, 1].map(|k| {
+                        let names = &mesh.parts[usize::from(pair[k])].names;
+                        format!("{names}, where {},", Conditions(laws[k]))
+                    });
                     return Err(MeshError::Meeting { one, two, at: point.join(", ") });
                 }
             }
@@ -109,7 +114,7 @@ fn boundary_nodes<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Vec<Cont
                 *place = sums.len() as u32;
                 sums.push((node, LawSum::default()));
             }
-            sums[*place as usize].1.add(mesh.law(facet), share);
+            sums[*place as usize].1.add(mesh.law_at(facet.part, node), share);
         }
     }
     sums.sort_unstable_by_key(|(node, _)| *node);

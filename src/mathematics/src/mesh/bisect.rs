@@ -350,6 +350,7 @@ impl<'a> Pieces<'a> {
             region_names: coarse.region_names.clone(),
             facets,
             parts: coarse.parts.clone(),
+            values: coarse.values.clone(),
             inside: coarse.inside.clone(),
             touching: coarse.touching.clone(),
             moved: coarse.moved.clone(),

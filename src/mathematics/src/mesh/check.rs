@@ -65,6 +65,7 @@ impl<const D: usize, const V: usize> MeshData<D, V> {
             region_names: self.region_names,
             facets: boundary.facets,
             parts: self.parts,
+            values: Vec::new(),
             inside: boundary.inside,
             touching: touching.into_iter().chain(meshed_apart).collect(),
             moved: Vec::new(),

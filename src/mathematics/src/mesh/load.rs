@@ -42,7 +42,7 @@ pub struct MeshLoad {
     pub load: Vec<f64>,
     /// f on the cells.
     pub cells: CellData,
-    /// Integral of f.
+    /// Integral of f, and of the flux over the free parts of the boundary.
     pub integral: f64,
     /// Integral of |f|.
     pub size: f64,
@@ -323,18 +323,18 @@ impl<'a, const D: usize, const V: usize> LoadSums<'a, D, V> {
 
     fn finished(self) -> MeshLoad {
         let Self { mesh, mut load, mean, deviation, shares, size, unsettled, moved } = self;
-        let mut given = 0.0;
+        let (mut given, mut net) = (0.0, 0.0);
         for (facet, outflow) in given_fluxes(mesh) {
-            given += outflow.abs();
+            (given, net) = (given + outflow.abs(), net + outflow);
             facet.nodes.iter().for_each(|&node| load[node as usize] += outflow / D as f64);
         }
         let masses = mesh.cells().iter().zip(&mean);
-        let integral = masses.map(|(cell, mean)| volume(mesh.vertices(cell)) * mean).sum();
+        let integral: f64 = masses.map(|(cell, mean)| volume(mesh.vertices(cell)) * mean).sum();
         let is_constant = deviation.iter().all(|deviation| *deviation == 0.0);
         let deviation = (!is_constant).then_some(deviation);
         let shares = (!is_constant).then(|| shares.into_flattened());
         let cells = CellData { mean, deviation, shares };
-        MeshLoad { load, cells, integral, size, given, unsettled, moved }
+        MeshLoad { load, cells, integral: integral + net, size, given, unsettled, moved }
     }
 }
 

@@ -68,6 +68,7 @@ pub use refine::{Refined, refine};
 pub(crate) use sides::{BoundarySide, Neighbour, Sides, position};
 pub(crate) use source::on_regions;
 
+use crate::problem::formula::Formula;
 use crate::problem::law::Law;
 
 /// Named part of the boundary: the facets that have the same names.
@@ -107,6 +108,8 @@ pub struct Mesh<const D: usize, const V: usize> {
     pub(crate) facets: Vec<Facet<D>>,
     /// Parts of the boundary.
     pub(crate) parts: Vec<Part<D>>,
+    /// Values of laws that are no numbers but formulas, with the position of the part of each.
+    pub(crate) values: Vec<(u16, Formula)>,
     /// Names of facets that all lie inside the domain.
     pub(crate) inside: Vec<String>,
     /// Lines to be told of places where the domain touches itself.
@@ -246,9 +249,21 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         if D == 2 { self.origin.plane.in_space([x, y]) } else { place }
     }
 
-    /// Law on a facet.
+    /// Law on a facet; its value is that of [`Mesh::value`] if that is a formula.
     pub fn law(&self, facet: &Facet<D>) -> Law {
         self.parts[facet.part as usize].law
+    }
+
+    /// Formula of the value of the law on a part, if it is no number.
+    pub(crate) fn value(&self, part: u16) -> Option<&Formula> {
+        self.values.iter().find(|(own, _)| *own == part).map(|(_, value)| value)
+    }
+
+    /// Law on a part with its value at a node; that of the part where the formula has none.
+    pub(crate) fn law_at(&self, part: u16, node: u32) -> Law {
+        let law = self.parts[usize::from(part)].law;
+        let value = self.value(part).map(|value| value.at(&self.points[node as usize]));
+        value.and_then(|value| law.with_at(value).ok()).unwrap_or(law)
     }
 
     /// Vertices of a cell.

@@ -114,6 +114,7 @@ pub(super) fn refine_edges<const D: usize, const V: usize>(
         region_names: mesh.region_names.clone(),
         facets,
         parts: mesh.parts.clone(),
+        values: mesh.values.clone(),
         inside: mesh.inside.clone(),
         touching: mesh.touching.clone(),
         moved: mesh.moved.clone(),

@@ -119,7 +119,9 @@ fn solve_on(
     let (laws, has_limits) = (finest.laws(), finest.contact().iter().any(|of| of.law.is_bounded()));
     let one_sided = OneSided::new(&laws, load);
     let shifted = one_sided.load(load, finest.contact());
-    let scale = LoadStats::measure(&shifted).scale();
+    let mut stats = LoadStats::measure(&shifted);
+    stats.largest = stats.largest.max(finest.size_of_values());
+    let scale = stats.scale();
     let mesh = levels.network(levels.coarsest_mesh);
     let mut values = vec![0.0; mesh.nodes()];
     for ContactNode { node, law, .. } in mesh.held() {

@@ -23,7 +23,7 @@ use crate::machine::extremes::{max_or_nan, min_or_nan};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Relative difference of two values that rounding errors may make.
+/// Difference of two values that rounding errors may make, over the largest value.
 const SAME: f64 = 1e-12;
 
 /// Law on a part of the boundary, or at a node: the value that v leaves only where the flux is at an end of an
@@ -97,7 +97,7 @@ pub enum LawError {
     /// A value or a flux that is not finite.
     #[error("{name} = {value} must be a number")]
     Number {
-        /// What the number is.
+        /// Name of the number.
         name: &'static str,
         /// The number.
         value: f64,
@@ -199,7 +199,8 @@ impl LawSum {
         }
         let through = |end: f64| if end.is_finite() { measure * end } else { end };
         let [lo, hi] = self.fluxes;
-        self.at = Law { at: self.at, lo, hi }.meet(law).unwrap_or(self.at);
+        let largest = self.at.abs().max(law.at.abs());
+        self.at = Law { at: self.at, lo, hi }.meet(law, largest).unwrap_or(self.at);
         self.measure += measure;
         self.fluxes[0] += through(law.lo);
         self.fluxes[1] += through(law.hi);
@@ -390,10 +391,10 @@ impl Law {
     /// both intervals: that of the fixed part, if the other law allows it; of two least values the larger one, of two
     /// largest ones the smaller one. None if the laws contradict each other, or v would have two such values.
     ///
-    /// Values that differ by rounding errors are the same.
-    pub(crate) fn meet(self, other: Self) -> Option<f64> {
+    /// Values that differ by rounding errors are the same, where the `largest` value is this one.
+    pub(crate) fn meet(self, other: Self, largest: f64) -> Option<f64> {
         let [one, two] = [self.at, other.at];
-        let is_same = (one - two).abs() <= SAME * one.abs().max(two.abs());
+        let is_same = (one - two).abs() <= SAME * largest;
         match () {
             () if self.is_free() => Some(two),
             () if other.is_free() => Some(one),

@@ -3,10 +3,11 @@
 use super::{Settings, Solver, solve};
 use crate::discrete::kkt::judge;
 use crate::discrete::network::Network;
+use crate::discrete::norms::worst;
 use crate::levels::{Problem, ProblemError};
 use crate::mesh::{AnyMesh, Facet, MeshData, MeshError, Part};
-use crate::multigrid::Goal;
 use crate::multigrid::active_set::active_set;
+use crate::multigrid::{Goal, MultigridParams};
 use crate::multilevel::solve_nested_networks;
 use crate::problem::law::{BoundaryState, Law};
 use crate::saddle::{self, Pair, Params, StopRule};
@@ -207,7 +208,7 @@ fn strips_have_the_values_and_the_energies_of_the_closed_form() {
 /// Difference of two vectors over the size of the values of both.
 fn apart(one: &[f64], two: &[f64]) -> f64 {
     let size = one.iter().chain(two).fold(1.0f64, |most, value| most.max(value.abs()));
-    one.iter().zip(two).fold(0.0f64, |most, (a, b)| most.max((a - b).abs())) / size
+    worst(one.iter().zip(two).map(|(a, b)| a - b)) / size
 }
 
 /// Solution by the problem for `y - G`, G with the values of the laws on the boundary and zero elsewhere, whose laws
@@ -264,7 +265,7 @@ fn solvers_agree_on_squares_with_a_law_on_each_side() {
         let judged = judge(network, &y, load);
         assert!(judged.kkt.relative < 1e-11, "{laws:?} {f}: {end:?} {:?}", judged.kkt);
         let (by_multigrid, end) =
-            solve_nested_networks(networks, load, &Default::default()).unwrap();
+            solve_nested_networks(networks, load, &MultigridParams::default()).unwrap();
         assert!(apart(&y, &by_multigrid) < 1e-9, "{laws:?} {f}: {end:?}");
         assert!(apart(&y, &by_saddle_point(network, load)) < 1e-9, "{laws:?} {f}");
         let (lifted, energy) = by_lift(network, load);
@@ -324,6 +325,101 @@ fn a_ring_with_a_value_inside_has_the_energy_of_its_closed_form() {
         for (coarse, fine) in coarse.iter().zip(fine) {
             assert!(fine < coarse / 3.0, "{off:?}");
         }
+    }
+}
+
+/// Problem with values by formulas, and its energy to all digits.
+struct Formulas {
+    mesh: AnyMesh,
+    f: f64,
+    values: Vec<[&'static str; 2]>,
+    energy: f64,
+}
+
+fn with_formulas() -> [Formulas; 4] {
+    let fixed = Law::FIXED;
+    let above = Law::SIGNORINI;
+    let membrane =
+        rectangle([1.0, 0.5], [4, 2], [Law::FREE, Law::FREE, above, Law::fixed(1.0).unwrap()]);
+    let power = "((x-1)^2+y^2)^0.75*cos(1.5*atan2(y,x-1))";
+    [
+        // Of two series, to twelve digits; contact from x = 0.7895 on.
+        Formulas {
+            mesh: membrane,
+            f: -1.0,
+            values: vec![["bottom", "0.2+0.45*(1-cos(3.141592653589793*x))"]],
+            energy: 0.494_429_697_794_469,
+        },
+        // v = Re z^1.5: contact where x < 1. Its values are not linear on sides.
+        Formulas {
+            mesh: rectangle([2.0, 1.0], [4, 2], [fixed, fixed, above, fixed]),
+            f: 0.0,
+            values: vec![["left", power], ["right", power], ["top", power]],
+            energy: 1.721_690_362_044_479,
+        },
+        // v = x^2 - y^2 on thin cells.
+        Formulas {
+            mesh: rectangle([1.0, 0.02], [4, 2], [fixed; 4]),
+            f: 0.0,
+            values: ["left", "right", "bottom", "top"].map(|part| [part, "x^2-y^2"]).to_vec(),
+            energy: 2.0 / 3.0 * (0.02 + 0.02f64.powi(3)),
+        },
+        // Contact where |theta| < pi / 2.
+        Formulas {
+            mesh: AnyMesh::built_in("disc").unwrap(),
+            f: -1.0,
+            values: vec![["rim", "x"]],
+            energy: 1.222_749_345_068_3,
+        },
+    ]
+}
+
+#[test]
+fn brackets_contain_the_energies_of_values_by_formulas_and_shrink() {
+    for Formulas { mut mesh, f, values, energy } in with_formulas() {
+        values.iter().for_each(|[part, value]| mesh.set_value(part, value).unwrap());
+        let mut widths = Vec::new();
+        for times in [2, 3, 4, 5] {
+            let problem = Problem::on_mesh(&mesh, times, &format!("else={f}")).unwrap();
+            let y = solution(&problem, Solver::Multigrid);
+            let (expected, _) =
+                active_set(&problem.networks().unwrap()[times].network, problem.load(), None)
+                    .unwrap();
+            assert!(apart(&y, &expected) < 1e-9, "{values:?}");
+            let disturbed: Vec<_> =
+                y.iter().enumerate().map(|(k, v)| v + 1e-2 * ((k % 7) as f64 - 3.0)).collect();
+            for y in [&disturbed, &y] {
+                let bounds = problem.bounds(y).unwrap();
+                let curve = bounds.curve.unwrap_or(0.0);
+                let [low, high] = bounds.energy;
+                assert!(
+                    low - curve <= energy && energy <= high + curve,
+                    "{values:?} {times}: {bounds:?}"
+                );
+                if y != &disturbed {
+                    widths.push(high - low);
+                }
+            }
+        }
+        let shrinks = widths.windows(2).all(|pair| pair[1] < pair[0] / 3.0);
+        assert!(shrinks, "{values:?}: {widths:?}");
+    }
+}
+
+#[test]
+fn a_formula_that_is_a_number_has_the_bounds_of_the_number() {
+    let above = |value| Law::above(value, 0.0).unwrap();
+    let [f, length] = ["else=-1", "1/4"].map(str::to_owned);
+    let mesh =
+        |value| rectangle([1.0, 0.5], [4, 2], [Law::FREE, Law::FREE, above(value), Law::FIXED]);
+    let [with_number, mut with_formula] = [mesh(-0.25), mesh(0.0)];
+    with_formula.set_value("bottom", &format!("-{length}")).unwrap();
+    let [one, two] = [with_number, with_formula].map(|mesh| {
+        let problem = Problem::on_mesh(&mesh, 3, &f).unwrap();
+        problem.bounds(&solution(&problem, Solver::Multigrid)).unwrap()
+    });
+    for (one, two) in one.energy.iter().zip(two.energy) {
+        assert!((one - two).abs() < 1e-12, "{one} {two}");
     }
 }
 

@@ -194,10 +194,10 @@ fn of_bounds(bounds: &Bounds, energy: f64) -> impl Iterator<Item = Warning> {
 }
 
 /// Difference of forces that the finest level explains: the square of h over the size of the domain, times the integral
-/// of |f|.
+/// of |f|, and no less than rounding errors.
 fn slack(problem: &Problem) -> f64 {
     let facts = problem.levels().facts();
-    facts.size.abs() * (facts.width / facts.extent).powi(2)
+    (facts.size.abs() * (facts.width / facts.extent).powi(2)).max(facts.rounding())
 }
 
 /// Returns the names of the levels of the ends with a property, if there are any.

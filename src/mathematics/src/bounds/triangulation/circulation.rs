@@ -173,7 +173,8 @@ impl PatchRoom {
                 open.clear();
                 for &facet in &plan.facets[lane * outlets..][..outlets] {
                     let facet = &mesh.facets()[facet as usize];
-                    let (law, measure) = (mesh.law(facet), measure(mesh.corners(facet)));
+                    let law = mesh.law_at(facet.part, node);
+                    let measure = measure(mesh.corners(facet));
                     open.push(OpenFacet { law, measure, outflow: 0.0 });
                 }
                 let (w, stiffness) = (cells.w[node as usize], self.stiffness[lane]);

@@ -51,6 +51,7 @@ mod balance;
 mod cells;
 mod circulation;
 mod curve;
+mod excess;
 mod fan;
 mod forest;
 mod limits;
@@ -183,7 +184,10 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
                 moved += element.volume * dot(gradient, gradient);
             }
         }
-        bounds.error[0] = (lower(self, &w) - moved.sqrt() * (1.0 + 1e-9)).max(0.0);
+        // Where values of laws are formulas w is not in K, and there is no bound.
+        let is_in_k = self.mesh.values.is_empty();
+        let lower = if is_in_k { lower(self, &w) } else { 0.0 };
+        bounds.error[0] = (lower - moved.sqrt() * (1.0 + 1e-9)).max(0.0);
         bounds
     }
 }
@@ -240,11 +244,12 @@ fn combined<const D: usize, const V: usize>(
         None => by_flux,
     };
     let distance = root(2.0 * (gap + 2.0 * rounding));
-    let projection = totals.projection.sqrt() * (1.0 + 1e-12);
+    let projection = (totals.projection.sqrt() + totals.excess.sqrt()) * (1.0 + 1e-12);
     let most = energy + rounding;
     let has_values = summands.has_values();
     // |grad u| is at least |grad w| less the distance.
-    let gradient = has_values.then(|| (root(totals.gradient - rounding) - distance).max(0.0));
+    let gradient = has_values
+        .then(|| (root(totals.gradient - 2.0 * totals.excess - rounding) - distance).max(0.0));
     let bounds = Bounds {
         energy: if has_values { [least, most] } else { below_zero([least, most]) },
         error: [0.0, distance + projection],

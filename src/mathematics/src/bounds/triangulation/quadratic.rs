@@ -1,5 +1,5 @@
-//! Quadratic psi in the plane on stretched cells, where sweeps over nodes and sides are slow: the flux of least norm
-//! among all that differ by such a circulation, by multigrid.
+//! Quadratic psi in the plane on stretched cells, where sweeps over nodes and sides are slow: the flux of least norm,
+//! less the values of laws as in `stream.rs`, among all that differ by such a circulation, by multigrid.
 //!
 //! On a cell that is long and thin against the direction of the gradient, the flux of each patch leaves through the
 //! wrong sides, over as many cells as there are across the domain. Aggregates along strong couplings reach them.
@@ -73,7 +73,7 @@ pub(super) fn circulate_quadratic<const D: usize, const V: usize>(
     }
 }
 
-/// Square of the norm of a flux.
+/// Square of the norm of a flux, less twice the integral of the values of laws times it over the boundary.
 fn square<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
@@ -85,6 +85,16 @@ fn square<const D: usize, const V: usize>(
         let volume = volume(vertices);
         let field = at_vertices(&vertices, volume, &outflows(sides, cell, nodes, flux));
         square += product(volume, &field, &field);
+    }
+    for facet in cells.facets_with_values() {
+        let at = &sides.of_facets()[facet];
+        let (nodes, k) = (&cells.mesh.cells()[at.cell as usize], sides.slot(at.cell, at.side));
+        let [mut one, mut two] = cells.values(sides, facet);
+        if nodes[(k + 1) % V] > nodes[(k + 2) % V] {
+            std::mem::swap(&mut one, &mut two);
+        }
+        let [q, p] = [0, 1].map(|k| flux[at.side as usize][k]);
+        square -= (one * (2.0 * q + p) + two * (q + 2.0 * p)) / 3.0;
     }
     square
 }
@@ -148,6 +158,20 @@ impl<'a, const D: usize, const V: usize> QuadraticStream<'a, D, V> {
                     [nodes[k], self.midpoint(cell, k)].map(|place| self.unknown(place));
                 load[node as usize] -= product(element.volume, &sigma, &of_node);
                 load[midpoint as usize] -= of_bubble(&element, &sigma, k);
+            }
+        }
+        // See `add`: what each value changes in the integral of the values of laws times the flux.
+        for facet in self.cells.facets_with_values() {
+            let at = &self.sides.of_facets()[facet];
+            let (nodes, k) = (self.nodes(at.cell), self.sides.slot(at.cell, at.side));
+            let [from, to] = self.cells.values(self.sides, facet);
+            let changes = [
+                (nodes[(k + 1) % V], -(5.0 * from + to) / 6.0),
+                (nodes[(k + 2) % V], (from + 5.0 * to) / 6.0),
+                (self.midpoint(at.cell, k), 2.0 * (from - to) / 3.0),
+            ];
+            for (place, change) in changes {
+                load[self.unknown(place) as usize] += change;
             }
         }
         load

@@ -2,8 +2,9 @@
 //!
 //! For a linear function psi, the field `(d psi/dy, -d psi/dx)` has no divergence. The outflow of a cell through a side
 //! is the difference of psi between the ends of the side, and the product of two such fields is that of the gradients:
-//! psi with the least norm of sigma solves a problem with the stiffness matrix. By the identity the norm of sigma is
-//! all of the flux on which the bounds depend, whatever w is.
+//! psi with the least norm of sigma solves a problem with the stiffness matrix. By the identity the bounds depend on
+//! the norm of sigma alone, whatever w is, and on the integral of the values of laws times sigma.n: the psi that is
+//! looked for has the least `1/2 |sigma|^2 - <sigma.n at>`.
 
 use super::cells::Cells;
 use super::triangles::Triangle;
@@ -62,6 +63,14 @@ pub(super) fn circulate<const D: usize, const V: usize>(
         for k in 0..3 {
             load[nodes[k] as usize] -= triangle.turn(k, [outflows[0], outflows[1], outflows[2]]);
         }
+    }
+    // What a circulation changes in the integral of the flux times the values of laws.
+    for facet in cells.facets_with_values() {
+        let at = &sides.of_facets()[facet];
+        let (nodes, k) = (&cells.mesh.cells()[at.cell as usize], sides.slot(at.cell, at.side));
+        let value = 0.5 * cells.values(sides, facet).iter().sum::<f64>();
+        load[nodes[(k + 1) % V] as usize] -= value;
+        load[nodes[(k + 2) % V] as usize] += value;
     }
     // More sweeps of Gauss and Seidel change the bounds by next to nothing.
     (0..load.len()).for_each(|node| stream.relax(node, network, &load));

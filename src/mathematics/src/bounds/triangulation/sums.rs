@@ -1,6 +1,7 @@
 //! Sums over cells and facets: energies of w and of the flux, and the distance between them.
 
-use super::cells::{at_nodes, gradient, interval};
+use super::cells::{Cells, at_nodes, gradient, interval};
+use super::excess::excess;
 use super::linear::{SideFlux, at_vertices, largest_square, outflows, product};
 use crate::bounds::boundary::{Slips, mean_product};
 use crate::machine::threads::in_tasks;
@@ -9,6 +10,7 @@ use crate::mesh::{
 };
 use crate::problem::law::Law;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// Number of cells that are added one after the other; longer sums are halved, so that chains of additions stay short.
@@ -45,6 +47,8 @@ pub(super) struct Totals {
     pub of_values: f64,
     /// Integral of the flux of free parts times w over them.
     pub given: f64,
+    /// `|grad E|^2`, by which w is changed where values of laws are formulas; see `excess.rs`.
+    pub excess: f64,
     /// Integral of |f|, its means.
     pub mass: f64,
     /// Sum of absolute values inside, of which rounding errors are a small part.
@@ -69,6 +73,7 @@ impl Totals {
             potential: self.potential + other.potential,
             of_values: self.of_values + other.of_values,
             given: self.given + other.given,
+            excess: self.excess + other.excess,
             mass: self.mass + other.mass,
             magnitude: self.magnitude + other.magnitude,
             boundary_magnitude: self.boundary_magnitude + other.boundary_magnitude,
@@ -125,6 +130,7 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
             squares[cell as usize] += 2.0 * totals.work;
             of_facets.push(totals);
         }
+        of_facets.extend(self.excess(&mut squares));
         (halved_sum(&of_runs).add(halved_sum(&of_facets)), squares)
     }
 
@@ -140,13 +146,61 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
     }
 
     fn values(&self) -> impl Iterator<Item = f64> {
-        self.mesh.parts().iter().map(|part| part.law.at().abs())
+        let of_formulas =
+            self.mesh.facets().iter().filter(|facet| self.mesh.value(facet.part).is_some());
+        let of_formulas = of_formulas.flat_map(|facet| facet.nodes.map(|node| (facet.part, node)));
+        let of_formulas = of_formulas.map(|(part, node)| self.mesh.law_at(part, node).at().abs());
+        self.mesh.parts().iter().map(|part| part.law.at().abs()).chain(of_formulas)
+    }
+
+    /// Terms that the functions E of `excess.rs` add, also to the squares of the errors in the cells.
+    fn excess(&self, squares: &mut [f64]) -> Vec<Totals> {
+        let mut of_cells: BTreeMap<u32, f64> = BTreeMap::new();
+        let mut terms = Vec::new();
+        if self.mesh.values.is_empty() {
+            return terms;
+        }
+        for (facet, at) in self.mesh.facets().iter().zip(self.sides.of_facets()) {
+            let Some(value) = self.mesh.value(facet.part) else { continue };
+            if self.mesh.law(facet).is_free() {
+                continue;
+            }
+            let cells = Cells { mesh: self.mesh, w: self.w, f: &self.f.cells };
+            let found = excess(&cells, self.sides, self.flux, (facet, at, value));
+            let cell = at.cell as usize;
+            let vertices = self.mesh.vertices(&self.mesh.cells()[cell]);
+            let deviation = self.f.cells.deviation.as_ref().map_or(0.0, |all| all[cell]);
+            let field = if deviation == 0.0 { 0.0 } else { deviation * size(vertices) / PI };
+            // Two facets of a cell: the product of their functions is at most that of the norms.
+            let norm = found.square.sqrt();
+            let before = of_cells.entry(at.cell).or_default();
+            let square = found.square + 2.0 * norm * *before;
+            *before += norm;
+            let distance = match field {
+                0.0 => 2.0 * found.with_distance + square,
+                _ => 2.0 * norm * squares[cell].max(0.0).sqrt() + square,
+            };
+            squares[cell] += distance;
+            terms.push(Totals {
+                distance,
+                gradient: 2.0 * found.with_gradient + square,
+                load: self.f.cells.mean[cell] * found.integral,
+                deviation: field * norm,
+                of_values: found.of_value,
+                excess: square,
+                magnitude: distance.abs() + square,
+                ..Totals::default()
+            });
+        }
+        terms
     }
 
     /// Integral of f and of the flux of free parts times w, if f is not constant on cells but on shapes, so that its
     /// load vector is exact.
     pub(super) fn exact_load(&self) -> Option<f64> {
         let is_exact = self.f.cells.deviation.is_some() && self.f.unsettled.is_none();
+        // The integral of f times E is known by the means alone.
+        let is_exact = is_exact && self.mesh.values.is_empty();
         is_exact.then(|| halved_product(&self.f.load, self.w))
     }
 
@@ -230,7 +284,11 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
                 continue;
             }
             let (at, interval) = (law.at(), interval(self.mesh, facet));
-            let w = sorted(facet.nodes).map(|node| self.w[node as usize] - at);
+            let is_formula = self.mesh.value(facet.part).is_some();
+            let w = sorted(facet.nodes).map(|node| match is_formula {
+                true => self.w[node as usize] - self.mesh.law_at(facet.part, node).at(),
+                false => self.w[node as usize] - at,
+            });
             let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
             let flux = self.flux[side as usize];
             let totals = match law.is_free() {
@@ -243,7 +301,10 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
                     work: interval.work_of_facet(w, flux),
                     through: mean_product(w, flux),
                     potential: interval.potential(w, 0.0),
-                    of_values: at * (flux.iter().sum::<f64>() / D as f64),
+                    of_values: match is_formula {
+                        true => 0.0,
+                        false => at * (flux.iter().sum::<f64>() / D as f64),
+                    },
                     boundary_magnitude: 2.0 * interval.ends_in_use(&w) * highest,
                     magnitude: at.abs() * flux.iter().map(|flux| flux.abs()).sum::<f64>(),
                     ..Totals::default()

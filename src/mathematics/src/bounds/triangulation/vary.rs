@@ -22,7 +22,8 @@ struct Bubbles<'a, const V: usize> {
     limits: Vec<f64>,
 }
 
-/// Gives the flux through each side, constant along it, the variation of the least norm within the law, in one sweep
+/// Gives the flux through each side, constant along it, the variation of the least norm, less twice the integral of the
+/// values of laws times the flux, within the law, in one sweep
 /// over all sides forth and one back. In space there is none.
 pub(super) fn vary<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
@@ -62,6 +63,11 @@ impl<'a, const V: usize> Bubbles<'a, V> {
                 let of_others = (q[i] - q[j]) * (c[i] + c[j]);
                 load[numbers[k] as usize] += 0.25 * (q[k] * (c[j] - c[i]) + of_others);
             }
+        }
+        for facet in cells.facets_with_values().take_while(|_| count > 0) {
+            // See `add`: the flux at the first end grows by four times the bubble.
+            let [from, to] = cells.values(sides, facet);
+            load[sides.of_facets()[facet].side as usize] += 0.25 * (from - to);
         }
         let facets = cells.mesh.facets().iter().zip(sides.of_facets());
         let limits = facets.map(|(facet, &BoundarySide { side, .. })| {

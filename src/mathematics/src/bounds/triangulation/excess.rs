@@ -1,0 +1,130 @@
+//! Difference of a value of a law by a formula from its linear interpolation on a facet, as a function on the cell.
+//!
+//! Let e be the value less its linear interpolation through the nodes of a facet, and P the vertex of the cell opposite
+//! to it. On the cell E is `t e(q)`, t one less the hat function of P, q where the ray from P through the point meets
+//! the facet: E is e on the facet and 0 on the other sides. So for a linear w with the values of the law at the nodes w
+//! + E has them on the whole facet, and `w + E - at` is linear there: what a law makes of it is exact.
+//!
+//! E is homogeneous of degree one in the distance from P, so that its gradient depends on q alone. With the vertices
+//! F_k of the facet, `grad E . (F_k - P) = e + grad e . (F_k - q)`, and the points of the cell above dq have the weight
+//! `D t^(D-1) dt`.
+
+use super::cells::{Cells, at_nodes, gradient};
+use super::linear::{SideFlux, at_vertices, outflows};
+use crate::discrete::quadrature::{QuadraturePoint, quadrature};
+use crate::mesh::{BoundarySide, Element, Facet, Sides, dot, sorted};
+use crate::problem::formula::Formula;
+
+/// Integrals that E adds in the cell of a facet.
+#[derive(Default)]
+pub(super) struct Excess {
+    /// `|grad E|^2`.
+    pub square: f64,
+    /// Integral of `(grad w - sigma) . grad E`.
+    pub with_distance: f64,
+    /// Integral of `grad w . grad E`.
+    pub with_gradient: f64,
+    /// Integral of E.
+    pub integral: f64,
+    /// Integral over the facet of the value times sigma.n.
+    pub of_value: f64,
+}
+
+/// Points of Gauss on an edge, five of them, exact for polynomials of degree nine: places and weights.
+const GAUSS: [[f64; 2]; 5] = [
+    [0.046_910_077_030_668, 0.118_463_442_528_094_54],
+    [0.230_765_344_947_158_45, 0.239_314_335_249_683_23],
+    [0.5, 0.284_444_444_444_444_44],
+    [0.769_234_655_052_841_5, 0.239_314_335_249_683_23],
+    [0.953_089_922_969_332, 0.118_463_442_528_094_54],
+];
+/// Pieces of an edge with points of their own: where a value is a root, its derivative is large beside an end.
+const PIECES: u32 = 4;
+/// Half the difference of two points for a derivative along a facet, over the distance of a vertex.
+const STEP: f64 = 1e-5;
+
+/// Points on a facet, by their barycentric coordinates.
+fn points<const D: usize>() -> Vec<QuadraturePoint<D>> {
+    if D != 2 {
+        return quadrature();
+    }
+    let mut points = Vec::new();
+    for piece in 0..PIECES {
+        for [place, weight] in GAUSS {
+            let place = (f64::from(piece) + place) / f64::from(PIECES);
+            let barycentric = std::array::from_fn(|k| if k == 0 { 1.0 - place } else { place });
+            points.push(QuadraturePoint { barycentric, weight: weight / f64::from(PIECES) });
+        }
+    }
+    points
+}
+
+/// Facet of the boundary with its cell and the formula of its value.
+struct FormulaFacet<'a, const D: usize> {
+    corners: [[f64; D]; D],
+    /// Values at the corners.
+    ends: [f64; D],
+    value: &'a Formula,
+}
+
+impl<const D: usize> FormulaFacet<'_, D> {
+    /// Linear interpolation of the value at a point, and e.
+    fn at(&self, point: &QuadraturePoint<D>) -> [f64; 2] {
+        let linear = point.barycentric.iter().zip(self.ends).map(|(b, end)| b * end).sum();
+        [linear, self.value.at(&point.within(self.corners)) - linear]
+    }
+
+    /// Derivative of e at a point towards a corner.
+    fn slope(&self, point: &QuadraturePoint<D>, corner: usize) -> f64 {
+        let [less, more] = [-STEP, STEP].map(|step| {
+            let mut moved = *point;
+            moved.barycentric.iter_mut().for_each(|b| *b *= 1.0 - step);
+            moved.barycentric[corner] += step;
+            self.at(&moved)[1]
+        });
+        (more - less) / (2.0 * STEP)
+    }
+}
+
+/// Integrals of E for a facet whose value is this formula.
+pub(super) fn excess<const D: usize, const V: usize>(
+    &Cells { mesh, w, .. }: &Cells<'_, D, V>,
+    sides: &Sides<V>,
+    flux: &[SideFlux<D>],
+    (facet, at, value): (&Facet<D>, &BoundarySide, &Formula),
+) -> Excess {
+    let nodes = &mesh.cells()[at.cell as usize];
+    let vertices = mesh.vertices(nodes);
+    let element = Element::new(vertices);
+    let opposite = sides.slot(at.cell, at.side);
+    let on_facet = sorted(facet.nodes);
+    let corners = on_facet.map(|node| mesh.points()[node as usize]);
+    let of_facet = FormulaFacet { corners, ends: corners.map(|corner| value.at(&corner)), value };
+    let places = on_facet.map(|node| nodes.iter().position(|own| *own == node).unwrap_or(opposite));
+    let outflows = outflows(sides, at.cell, nodes, flux);
+    let sigma = at_vertices(&vertices, element.volume, &outflows);
+    let slope = gradient(&element, at_nodes(nodes, w));
+    let d = D as f64;
+    let mut found = Excess::default();
+    for point in points::<D>() {
+        let QuadraturePoint { barycentric, weight } = point;
+        let [linear, e] = of_facet.at(&point);
+        let (mut of_e, mut apart) = ([0.0; D], slope);
+        for (corner, place) in places.into_iter().enumerate() {
+            let along = e + of_facet.slope(&point, corner);
+            of_e.iter_mut().zip(element.gradients[place]).for_each(|(sum, of)| *sum += along * of);
+        }
+        for (j, apart) in apart.iter_mut().enumerate() {
+            let on_facet: f64 = barycentric.iter().zip(places).map(|(b, k)| b * sigma[k][j]).sum();
+            *apart -= (sigma[opposite][j] + d * on_facet) / (d + 1.0);
+        }
+        let volume = weight * element.volume;
+        found.square += volume * dot(of_e, of_e);
+        found.with_distance += volume * dot(apart, of_e);
+        found.with_gradient += volume * dot(slope, of_e);
+        found.integral += volume * e * d / (d + 1.0);
+        let density: f64 = barycentric.iter().zip(flux[at.side as usize]).map(|(b, q)| b * q).sum();
+        found.of_value += weight * density * (linear + e);
+    }
+    found
+}
