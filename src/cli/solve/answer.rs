@@ -118,7 +118,7 @@ impl Answer {
         }
         match (self.solved.truth(), self.solved.run()) {
             (Some(found), _) => {
-                text += &self.truth();
+                text += &self.truth(request);
                 text += &request.clock.text("setup", &format!(" ({} Newton steps)", found.steps));
             }
             (None, Some(run)) => {
@@ -137,13 +137,10 @@ impl Answer {
     }
 
     /// Returns a true solution in words.
-    fn truth(&self) -> String {
+    fn truth(&self, request: &Request) -> String {
         let Some(found) = self.solved.truth() else { return String::new() };
-        let problem = &self.solved.problem;
-        let law = match problem.is_signorini() {
-            true => String::new(),
-            false => format!("law {}\n", problem.laws_in_words()),
-        };
+        let laws = request.statement.boundary.in_words().ok().flatten();
+        let law = laws.map_or(String::new(), |laws| paragraph(&format!("law {laws}\n")));
         let energy =
             self.numbers.shown_energy(if found.bracket.is_ok() { ALL_DIGITS } else { TEN });
         let bounds = bound::text(&self.numbers, false) + &bound::boundary(&self.solved);

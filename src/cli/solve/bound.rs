@@ -55,16 +55,14 @@ pub(super) fn boundary(solved: &Solved) -> String {
     let [force, balance] = sums.map(|sum| force(sum, error));
     text += &format!("{total} {force}, minus the integral of f {balance}\n");
     let has_fixed = problem.domain(problem.finest()).has_fixed_part();
-    let parts = solved.run().map(|run| problem.on_parts(&run.y, &run.judgement));
-    let parts = parts
-        .filter(|_| has_fixed || problem.law().is_none() || problem.given_flux() != 0.0)
-        .unwrap_or_default();
-    let fluxes = parts.iter().map(|part| format!("{} {}", part.name, plain(part.force, digits)));
-    let fluxes = fluxes.collect::<Vec<_>>().join(", ");
-    if !fluxes.is_empty() {
-        text += &paragraph(&format!("flux through {fluxes}\n"));
-    } else if has_fixed {
-        text += "fixed parts carry the difference\n";
+    if has_fixed || problem.law().is_none() || problem.given_flux() != 0.0 {
+        let mut fluxes = Vec::new();
+        for part in solved.on_parts() {
+            fluxes.push(format!("{} {}", part.name, self::force(part.force, error)));
+        }
+        if !fluxes.is_empty() {
+            text += &paragraph(&format!("flux through {}\n", fluxes.join(", ")));
+        }
     }
     text
 }

@@ -47,6 +47,18 @@ pub(crate) fn details(
     if let Some(found) = solved.truth() {
         insert(of_truth(&found.checks));
     }
+    let parts = solved.on_parts();
+    if parts.len() > 1 {
+        let mut rows = Vec::new();
+        for part in parts {
+            let states = (part.states.all() > 0).then_some(part.states);
+            let law = part.law.to_string();
+            rows.push(
+                json!({ "part": part.name, "law": law, "force": part.force, "states": states }),
+            );
+        }
+        insert(json!({ "parts": rows }));
+    }
     if let Some(run) = solved.run() {
         insert(json!({ "grids": levels }));
         insert(on_levels(statement, solved, run));
@@ -118,18 +130,6 @@ fn on_levels(statement: &Statement, solved: &Solved, run: &Run) -> Value {
     });
     if !problem.is_signorini() {
         json["states"] = json!(states);
-    }
-    let parts = problem.on_parts(&run.y, &run.judgement);
-    if parts.len() > 1 {
-        let mut rows = Vec::new();
-        for part in parts {
-            let states = part.law.may_move().then_some(part.states);
-            let law = part.law.to_string();
-            rows.push(
-                json!({ "part": part.name, "law": law, "force": part.force, "states": states }),
-            );
-        }
-        json["parts"] = rows.into();
     }
     if let Some(errors) = solved.errors() {
         json["errors"] = json!(errors);

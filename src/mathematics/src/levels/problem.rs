@@ -156,12 +156,6 @@ impl Problem {
         Law::only(&self.levels.laws())
     }
 
-    /// The laws, in words: the law, or that of each part that is neither free nor fixed.
-    pub fn laws_in_words(&self) -> String {
-        let laws = self.levels.laws().into_iter().map(|(part, law)| format!("{law} on {part}"));
-        self.law().map_or_else(|| laws.collect::<Vec<_>>().join(", "), |law| law.to_string())
-    }
-
     /// True if what sticks is in contact, wherever it may move.
     pub fn has_contact(&self) -> bool {
         self.levels.laws().iter().all(|(_, law)| law.is_contact())

@@ -19,7 +19,7 @@ pub struct OnPart {
     pub law: Law,
     /// Integral of the flux; of a node on several parts each has its share of the length or area.
     pub force: f64,
-    /// Numbers of nodes by their states; none of a free or a fixed part.
+    /// Numbers of nodes by their states; none of a free or a fixed part, or of a true solution.
     pub states: StateCounts,
 }
 

@@ -4,9 +4,10 @@ use super::run::{FoundSolution, Run};
 use crate::bounds::{Accuracy, Bounds, NoBound};
 use crate::discrete::contact::ContactArc;
 use crate::discrete::end::Outcome;
+use crate::discrete::kkt::StateCounts;
 use crate::discrete::norms::Errors;
 use crate::discrete::transfer::prolong_boundary;
-use crate::levels::{Problem, Reserve};
+use crate::levels::{OnPart, Problem, Reserve};
 use crate::mesh::PointValue;
 use crate::saddle::Pair;
 use crate::spectral::TrueSolution;
@@ -246,6 +247,22 @@ impl Solved {
             FoundSolution::Truth(found) => found.force,
         };
         self.problem.levels().facts().without_rounding(force)
+    }
+
+    /// Forces on each part of the boundary of a mesh, of a vector with the states of its nodes; none on grids.
+    pub fn on_parts(&self) -> Vec<OnPart> {
+        let found = match &self.found {
+            FoundSolution::Vector(run) => return self.problem.on_parts(&run.y, &run.judgement),
+            FoundSolution::Truth(found) => found,
+        };
+        let (levels, mut parts) = (self.problem.levels(), Vec::new());
+        for (name, law, _) in levels.mesh(0).shares() {
+            if let Some(&force) = found.forces.get(&name) {
+                let force = levels.facts().without_rounding(force);
+                parts.push(OnPart { name, law, force, states: StateCounts::default() });
+            }
+        }
+        parts
     }
 
     /// Integral of f: of a true solution over the domain, else over the finest level. A sum of rounding errors is zero.

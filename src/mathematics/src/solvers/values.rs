@@ -1,6 +1,7 @@
 //! Problems with values, gaps and fluxes: closed forms, brackets that contain them, and solvers that agree.
 
 use super::{Settings, Solver, solve};
+use crate::bounds::Bounds;
 use crate::discrete::kkt::judge;
 use crate::discrete::network::Network;
 use crate::discrete::norms::worst;
@@ -476,7 +477,7 @@ fn true_solutions_lie_in_the_bounds_of_meshes() {
         let [least, most] = of_mesh.energy;
         assert!(low <= most && least <= high, "{laws:?} {f}: {low} {high} {of_mesh:?}");
         assert!(high - low < 1e-9, "{laws:?} {f}: {low} {high}");
-        let [by_mesh, own] = [&of_mesh, &truth.bounds().unwrap()].map(|bounds| bounds.relative());
+        let [by_mesh, own] = [&of_mesh, &truth.bounds().unwrap()].map(Bounds::relative);
         assert!(own < 1e-4 && own < by_mesh, "{laws:?} {f}: {own} {by_mesh}");
     }
     // Contact may end arbitrarily close to corners.

@@ -16,6 +16,7 @@ use crate::problem::complex::Complex;
 use crate::problem::law::BoundaryState;
 use crate::problem::text::{percent, plain};
 use crate::spectral::error::PlaneError;
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// Distance of the bounds, over the energy, from which on they are wide.
@@ -51,6 +52,8 @@ pub struct TrueSolution {
     pub contact: Vec<ContactArc>,
     /// Integral of dv/dn over the boundary where v may stick and slip.
     pub force: f64,
+    /// Integrals of dv/dn over the parts of the boundary, by their names.
+    pub(crate) forces: BTreeMap<String, f64>,
     /// Integral of f over the domain.
     pub integral: f64,
     /// Size of the integral of dv/dn over the whole boundary plus that of f, which is zero but for errors.
@@ -83,12 +86,17 @@ impl TrueSolution {
         };
         let mut notes = [self.notes, other.notes].concat();
         notes.dedup();
+        let mut forces = self.forces;
+        for (part, force) in other.forces {
+            *forces.entry(part).or_default() += force;
+        }
         Self {
             energy: self.energy + other.energy,
             bracket: both.map(|([low, high], [lower, upper])| [low + lower, high + upper]),
             gradient,
             contact: [self.contact, other.contact].concat(),
             force: self.force + other.force,
+            forces,
             integral: self.integral + other.integral,
             unbalanced: self.unbalanced + other.unbalanced,
             unknowns: self.unknowns + other.unknowns,
@@ -225,12 +233,21 @@ pub(super) fn solve(
     let lawful = nodes.iter().filter(|node| node.law.may_move());
     let force: f64 = lawful.map(|node| node.spot.weight * node.flux).sum();
     let unit = setup.domain.frame.of_value();
+    let mut forces: BTreeMap<String, f64> = BTreeMap::new();
+    for node in nodes {
+        let side = fit.walk.intervals[node.spot.interval].side;
+        let part = setup.domain.rings[node.ring].sides[side].part;
+        if let Some(names) = setup.domain.parts.get(part) {
+            *forces.entry(names.to_string()).or_default() += unit * node.spot.weight * node.flux;
+        }
+    }
     Ok(TrueSolution {
         energy: unit * unit * energy,
         bracket: bracket.map(|own| own.ends().map(|end| unit * unit * end)),
         gradient: bracket.ok().and_then(|own| Some(unit * own.gradient?)),
         contact: arcs(&setup, &found),
         force: unit * force,
+        forces,
         integral: unit * (sizes.balance - sizes.force),
         unbalanced: unit * sizes.balance.abs(),
         unknowns: fit.unknowns,

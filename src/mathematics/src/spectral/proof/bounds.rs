@@ -132,7 +132,7 @@ pub(super) fn proved(setup: &Setup, found: &PlaneFound) -> Result<PlaneBracket, 
             least_gradient([exact.size(), missed], upper - lower)
         });
         let (energy, size) = (exact.energy, exact.size());
-        Ok(PlaneBracket { energy, size, lower, upper, gradient, cause })
+        Ok(PlaneBracket { energy, lower, upper, size, gradient, cause })
     } else {
         Err("bounds of v next to corners")
     }
