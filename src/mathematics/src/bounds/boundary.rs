@@ -94,6 +94,11 @@ impl PartLaw {
         if end.is_finite() { end } else { 0.0 }
     }
 
+    /// Flux at the end of the interval that v slips to, `from` above the value of the law.
+    pub(crate) fn slipping(self, from: f64) -> f64 {
+        self.end(Signs::find(&[from]))
+    }
+
     /// Sum of the absolute values of the ends that v with these values slips to; zero where v is.
     pub(crate) fn ends_in_use(self, values: &[f64]) -> f64 {
         let is_up = values.iter().any(|value| *value > 0.0);

@@ -254,7 +254,9 @@ impl Seen {
             gradient[node] = y[node] - law.at();
         }
         stationarity.see(1.0, &gradient);
-        Self { energy: network.energy(y, load), of_values, stationarity, flux }
+        let energy = network.energy(y, load) + network.potential();
+        let of_values = of_values.map(|of_values: f64| of_values + network.potential());
+        Self { energy, of_values, stationarity, flux }
     }
 }
 

@@ -38,6 +38,8 @@ pub struct Network {
     places: Vec<u32>,
     /// Integrals of the hat functions over the domain, the lumped mass matrix.
     masses: Vec<f64>,
+    /// Sum of j over the facets with the nodes at their values: not 0 where a facet has another value than its node.
+    potential: f64,
 }
 
 /// Place of a node without a law, inside or on a free part of the boundary.
@@ -176,9 +178,20 @@ impl Network {
             moving: 0,
             places: vec![INNER; nodes],
             masses,
+            potential: 0.0,
         };
         network.set_boundary(boundary);
         network
+    }
+
+    /// Network with this sum of j over the facets, the nodes at their values.
+    pub(crate) fn with_potential(self, potential: f64) -> Self {
+        Self { potential, ..self }
+    }
+
+    /// Sum of j over the facets with the nodes at their values, which the laws of the nodes lack.
+    pub(crate) fn potential(&self) -> f64 {
+        self.potential
     }
 
     /// Network whose diagonal entries have these numbers added: what the couplings to further nodes, at zero, add.

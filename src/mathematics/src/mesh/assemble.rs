@@ -67,7 +67,9 @@ fn assemble_with<const D: usize, const V: usize>(
             couplings.push(Coupling { nodes, weight });
         }
     }
-    Network::new(&couplings, boundary_nodes(mesh), masses)
+    let nodes = boundary_nodes(mesh);
+    let potential = potential_at(mesh, &nodes);
+    Network::new(&couplings, nodes, masses).with_potential(potential)
 }
 
 /// Checks that parts of the boundary which meet have laws that one function can have; see [`Law::meet`].
@@ -119,4 +121,29 @@ fn boundary_nodes<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Vec<Cont
     }
     sums.sort_unstable_by_key(|(node, _)| *node);
     sums.into_iter().map(|(node, laws)| laws.at_node(node as usize)).collect()
+}
+
+/// Returns the sum of j over the facets with a law, the nodes at their values: a facet whose value is not that of its
+/// node has a potential there that the law of the node, which begins at its value, lacks.
+fn potential_at<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    nodes: &[ContactNode],
+) -> f64 {
+    let mut potential = 0.0;
+    let mut values = mesh.parts.iter().map(|part| part.law.at());
+    let first = values.next();
+    if values.all(|value| Some(value) == first) {
+        return potential;
+    }
+    for facet in mesh.facets.iter().filter(|facet| !mesh.law(facet).is_free()) {
+        let (law, share) = (mesh.law(facet), measure(mesh.corners(facet)) / D as f64);
+        for node in facet.nodes {
+            let place = nodes.binary_search_by_key(&(node as usize), |of| of.node);
+            let at = nodes[place.expect("a node of a facet with a law")].law.at();
+            if at != law.at() {
+                potential += share * law.potential(at);
+            }
+        }
+    }
+    potential
 }

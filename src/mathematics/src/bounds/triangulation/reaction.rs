@@ -25,7 +25,8 @@ pub(super) struct OpenNode<const D: usize> {
 
 impl<const D: usize> OpenNode<D> {
     /// Lets the reaction out through the facets as far as their laws allow, each in proportion to its measure; through
-    /// the fixed ones alone if there are any, beside the flux of free ones. Returns the outflow.
+    /// the fixed ones alone if there are any. The flux of free facets is given, and so is that of a facet whose value is
+    /// not the one at which the node sticks: w slips there. Returns the outflow.
     ///
     /// A reaction beyond the end of the interval to which w slips, where w is not the value of the law, does work on
     /// the difference, and one that is left to the cells lengthens the distance from `grad w`. The sum of both is about
@@ -34,11 +35,19 @@ impl<const D: usize> OpenNode<D> {
         let Self { w, stiffness } = self;
         // Each of the D nodes of a facet has the same part of the facet.
         let part = |law: Law, measure: f64| PartLaw::new(law, measure / D as f64);
+        let mut laws = LawSum::default();
+        facets.iter().for_each(|facet| laws.add(facet.law, facet.measure));
+        let at = laws.mean().at();
+        let is_given = |law: Law| law.is_free() || law.at() != at && !law.is_fixed();
+        let flux_given = |law: Law, measure| part(law, measure).slipping(w - law.at());
         let (mut laws, mut fixed, mut given) = (LawSum::default(), 0.0, 0.0);
         for &OpenFacet { law, measure, .. } in &*facets {
+            if is_given(law) {
+                given += flux_given(law, measure);
+                continue;
+            }
             laws.add(law, measure);
             fixed += if law.is_fixed() { measure } else { 0.0 };
-            given += if law.is_free() { part(law, measure).least } else { 0.0 };
         }
         let (law, reaction) = (laws.mean(), reaction - given);
         let from = w - law.at();
@@ -48,7 +57,7 @@ impl<const D: usize> OpenNode<D> {
         let mut parts = Vec::with_capacity(facets.len());
         for &OpenFacet { law, measure, .. } in &*facets {
             let flux = match law.is_fixed() || fixed == 0.0 {
-                _ if law.is_free() => part(law, measure).least,
+                _ if is_given(law) => flux_given(law, measure),
                 true => outflow * (measure / whole),
                 false => 0.0,
             };
