@@ -257,8 +257,14 @@ fn what_has_no_solution_has_no_bound() {
     let zero = vec![0.0; grid.nodes()];
     let found = bounds(grid, &Source::constant(1.0), Law::SIGNORINI, &zero);
     let balanced = [f64::NEG_INFINITY, 0.0];
-    let refused =
-        Unsolvable { component: None, integral: 1.0, balanced, enough: None, has_parts: false };
+    let refused = Unsolvable {
+        component: None,
+        integral: 1.0,
+        balanced,
+        enough: None,
+        has_parts: false,
+        has_fluxes: false,
+    };
     assert_eq!(found, Err(refused.into()));
     let huge = vec![1e200; grid.nodes()];
     assert_eq!(

@@ -149,7 +149,8 @@ fn what_the_law_cannot_balance_has_no_bound() {
     let [least, most] = [-4.0 * 0.99, 4.0 * 0.99];
     let (enough, has_parts) = (Some((LawNumber::Friction, 1.1)), false);
     let (component, integral, balanced) = (None, 4.0, [least, most]);
-    let refused = Unsolvable { component, integral, balanced, enough, has_parts };
+    let has_fluxes = false;
+    let refused = Unsolvable { component, integral, balanced, enough, has_parts, has_fluxes };
     assert_eq!(found, Err(refused.into()));
     let mut nan = zero.clone();
     for node in [0, 4, 40] {

@@ -195,7 +195,12 @@ where
     }
 
     fn components(&self) -> Vec<Component> {
-        components(self.network(), &nested_components(&self.networks), &self.load.load)
+        let mut components =
+            components(self.network(), &nested_components(&self.networks), &self.load.load);
+        let mut parts = self.finest().parts().iter();
+        let has_fluxes = parts.any(|part| part.law.is_free() && part.law.lo() != 0.0);
+        components.iter_mut().for_each(|of| of.has_fluxes = has_fluxes);
+        components
     }
 
     fn components_on_curves(&self) -> Vec<Component> {

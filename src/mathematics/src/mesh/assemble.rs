@@ -125,10 +125,7 @@ fn boundary_nodes<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Vec<Cont
 
 /// Returns the sum of j over the facets with a law, the nodes at their values: a facet whose value is not that of its
 /// node has a potential there that the law of the node, which begins at its value, lacks.
-fn potential_at<const D: usize, const V: usize>(
-    mesh: &Mesh<D, V>,
-    nodes: &[ContactNode],
-) -> f64 {
+fn potential_at<const D: usize, const V: usize>(mesh: &Mesh<D, V>, nodes: &[ContactNode]) -> f64 {
     let mut potential = 0.0;
     let mut values = mesh.parts.iter().map(|part| part.law.at());
     let first = values.next();

@@ -18,13 +18,16 @@ pub struct Unsolvable {
     pub enough: Option<(LawNumber, f64)>,
     /// True if the boundary has parts that can be fixed.
     pub has_parts: bool,
+    /// True if the flux of free parts is in the integral.
+    pub has_fluxes: bool,
 }
 
 impl std::error::Error for Unsolvable {}
 
 impl fmt::Display for Unsolvable {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { component, integral, balanced: [least, most], enough, has_parts } = *self;
+        let Self { component, integral, balanced: [least, most], enough, has_parts, has_fluxes } =
+            *self;
         let number = component.map_or_else(String::new, |number| format!("component {number} of "));
         if least == most {
             return write!(
@@ -48,9 +51,14 @@ impl fmt::Display for Unsolvable {
         let last = remedies.pop().unwrap_or_default();
         let others =
             if remedies.is_empty() { "" } else { &format!("{}, or ", remedies.join(", ")) };
+        let what = if has_fluxes {
+            "the integral of f and of the fluxes of free parts"
+        } else {
+            "the integral of f"
+        };
         write!(
             out,
-            "the integral of f{over} is {}, but the flux through the boundary can only balance {one}; {others}{last}",
+            "{what}{over} is {}, but the flux through the boundary can only balance {one}; {others}{last}",
             plain(integral, 4)
         )
     }
@@ -63,16 +71,19 @@ pub struct Component {
     pub number: Option<usize>,
     /// True if the boundary has parts that can be fixed.
     pub has_parts: bool,
+    /// True if the flux of free parts is in the integral.
+    pub has_fluxes: bool,
     /// Laws on its boundary.
     pub laws: LawSum,
-    /// Integral of f, or the sum of the load vector.
+    /// Integral of f, or the sum of the load vector, with the flux of free parts.
     pub integral: f64,
 }
 
 impl Component {
     /// The whole of a connected domain, with one law on all of a boundary of this measure.
     pub fn whole(law: Law, measure: f64, integral: f64) -> Self {
-        Self { number: None, has_parts: false, laws: LawSum::of(law, measure), integral }
+        let laws = LawSum::of(law, measure);
+        Self { number: None, has_parts: false, has_fluxes: false, laws, integral }
     }
 
     /// Checks the condition (2): the flux that the laws allow can balance f by more than `rounding`, the largest
@@ -81,7 +92,7 @@ impl Component {
     /// # Errors
     /// [`Unsolvable`]. An integral within `rounding` is said to be zero.
     pub fn check(self, rounding: f64) -> Result<(), Unsolvable> {
-        let Self { number: component, has_parts, laws, integral } = self;
+        let Self { number: component, has_parts, has_fluxes, laws, integral } = self;
         let [lo, hi] = laws.fluxes;
         // By subtraction, since the negative of zero is another zero.
         let balanced = [0.0 - hi, 0.0 - lo];
@@ -91,7 +102,7 @@ impl Component {
         }
         let integral = if integral.abs() <= rounding { 0.0 } else { integral };
         let enough = laws.balancing(-integral);
-        Err(Unsolvable { component, integral, balanced, enough, has_parts })
+        Err(Unsolvable { component, integral, balanced, enough, has_parts, has_fluxes })
     }
 }
 

@@ -287,6 +287,23 @@ fn solvers_agree_on_squares_with_a_law_on_each_side() {
 }
 
 #[test]
+fn a_law_that_nothing_meets_beside_another_value_is_its_flux() {
+    // v > 0 everywhere: v >= 0 with the flux -0.3 elsewhere is that flux, although v is 1 where the parts meet.
+    let top = Law::fixed(1.0).unwrap();
+    let [above, free] = [Law::above(0.0, -0.3), Law::free(-0.3)].map(Result::unwrap);
+    let found = [above, free].map(|law| {
+        let mesh = rectangle([1.0; 2], [2, 2], [law, law, law, top]);
+        let problem = Problem::on_mesh(&mesh, 3, "else=0").unwrap();
+        let y = solution(&problem, Solver::ActiveSet);
+        let bounds = problem.bounds(&y).unwrap();
+        (problem.judge(&y).energy, bounds.energy)
+    });
+    let [(energy, [low, high]), (of_free, [low_of_free, high_of_free])] = found;
+    assert!((energy - of_free).abs() < 1e-12 && (high - high_of_free).abs() < 1e-9, "{found:?}");
+    assert!(high - low < 1.1 * (high_of_free - low_of_free), "{found:?}");
+}
+
+#[test]
 fn values_without_a_load_are_solved_to_a_part_of_their_size() {
     // v = 1e-3 - 1e-4 x: no load tells of its size.
     let friction = Law::friction(1e-4).unwrap();

@@ -146,7 +146,8 @@ fn balance_outflows(
         laws.add(outlet.law, outlet.measure);
         parts.push(BoundaryPart { flux, measure: outlet.measure, law });
     }
-    Component { number: None, has_parts: true, laws, integral }.check(0.0)?;
+    let whole = Component::whole(Law::FREE, 0.0, integral);
+    Component { has_parts: true, laws, ..whole }.check(0.0)?;
     match laws.only().filter(|law| !law.is_bounded()) {
         Some(law) => scale_to_sum(law, &mut parts, -integral),
         None => shift_to_sum(&mut parts, -integral),

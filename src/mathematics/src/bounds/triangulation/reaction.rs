@@ -104,6 +104,10 @@ mod tests {
         let high = [Law::above(2.0, 0.0).unwrap(); 2];
         assert_eq!(outflows(OpenNode { w: 2.0, ..node }, high, 3.0), [1.5, 1.5]);
         assert_eq!(outflows(OpenNode { w: 4.0, ..node }, high, 3.0), [0.0, 0.0]);
+        // Where the node has another value, w slips: the flux of the law is given.
+        let one = OpenNode { w: 1.0, ..node };
+        let pulled = Law::above(0.0, -2.0).unwrap();
+        assert_eq!(outflows(one, [pulled, Law::fixed(1.0).unwrap()], 3.0), [-0.5, 3.5]);
         // Each facet keeps to its law.
         assert_eq!(outflows(node, [law, friction], 3.0), [2.75, 0.25]);
         assert_eq!(outflows(node, [law, friction], -3.0), [0.0, -0.25]);

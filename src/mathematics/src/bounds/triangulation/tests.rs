@@ -382,8 +382,14 @@ fn refused(problem: &TestProblem<2, 3>, expected: NoBound) {
 #[test]
 fn problems_without_bounds_are_refused_with_one_line() {
     let balanced = [f64::NEG_INFINITY, 0.0];
-    let zero =
-        Unsolvable { component: None, integral: 0.0, balanced, enough: None, has_parts: true };
+    let zero = Unsolvable {
+        component: None,
+        integral: 0.0,
+        balanced,
+        enough: None,
+        has_parts: true,
+        has_fluxes: false,
+    };
     refused(&disc([0.0; 6]), zero.into());
     let mut free = disc([-1.0; 6]);
     free.mesh.parts_mut()[0].law = Law::FREE;
