@@ -347,6 +347,18 @@ fn fluxes_through_all_parts_balance_f() {
     assert!((sum + solved.problem.levels().facts().integral).abs() < 1e-3, "{parts:?}");
     let of = |name: &str| parts.iter().find(|part| part.name == name).unwrap();
     assert!((of("left").force + 0.5).abs() < 1e-12 && of("top").force > 0.5, "{parts:?}");
+    // v is below the value everywhere, at the fixed end too.
+    let drained = under_laws(&[
+        ("top", LawNumber::Below, 9.0),
+        ("top", LawNumber::Flux, 0.2),
+        ("right", LawNumber::Fixed, 0.0),
+        ("left", LawNumber::Free, 0.0),
+        ("bottom", LawNumber::Free, 0.0),
+    ]);
+    let run = drained.run().unwrap();
+    let parts = drained.problem.on_parts(&run.y, &run.judgement);
+    let top = parts.iter().find(|part| part.name == "top").unwrap();
+    assert!((top.force - 0.2).abs() < 1e-12, "{parts:?}");
     assert_eq!(of("bottom").states.all(), 17);
     assert_eq!(of("top").states.all(), 0);
 }

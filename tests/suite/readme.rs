@@ -99,7 +99,7 @@ fn commands_run_and_outputs_are_true() {
     // The page of the gallery has the commands as the run writes them.
     let gallery = project.join("report/src/gallery.md");
     ran = follow(gallery.to_str().unwrap(), project);
-    assert_eq!(ran, 10, "commands of the gallery");
+    assert_eq!(ran, 13, "commands of the gallery");
     let figures = fs::read_dir(project.join("figures")).unwrap();
     let names = figures.map(|file| file.unwrap().file_name().into_string().unwrap());
     let names = names.filter_map(|name| name.strip_suffix("-map.svg").map(str::to_owned));

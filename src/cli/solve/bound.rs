@@ -25,7 +25,7 @@ pub(super) fn text(numbers: &Numbers, recovered: bool) -> String {
 pub(super) const TEN: usize = 10;
 const SIX: usize = 6;
 
-/// Returns, as text, the arcs at zero, and the total flux beside minus the integral of f, which are equal at the
+/// Returns, as text, the arcs that stick, and the total flux beside minus the integral of f, which are equal at the
 /// solution unless a part is fixed.
 pub(super) fn boundary(solved: &Solved) -> String {
     let (problem, has_contact) = (&solved.problem, solved.problem.has_contact());

@@ -29,7 +29,7 @@ pub struct SolutionMap {
     drawn: DrawnSolution,
     /// Closed curves of the boundary.
     boundary: Vec<Loop>,
-    /// Parts of the boundary with v = 0 by the law, each as the corners of a line.
+    /// Parts of the boundary that stick, each as the corners of a line.
     held: Vec<Vec<[f64; 2]>>,
     /// Fixed parts of the boundary.
     fixed: Vec<Vec<[f64; 2]>>,
@@ -125,7 +125,7 @@ impl SolutionMap {
     }
 }
 
-/// Returns the part of an edge of a curve on which v is held at zero by the law: each end stands for the half of the
+/// Returns the part of an edge of a curve that sticks: each end stands for the half of the
 /// edge beside it.
 fn held_part([p, q]: [[f64; 2]; 2], is_held: [bool; 2]) -> Option<[[f64; 2]; 2]> {
     let middle = [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];

@@ -180,7 +180,7 @@ pub(crate) static FIELDS: [Field; 23] = [
     },
     Field {
         name: "friction",
-        help: "Law: |dv/dn| is at most G, and v is 0 where it is less",
+        help: "Law: |dv/dn| is at most G, and v sticks at the gap, 0, where it is less",
         more: "With PART=G, as hole=0.3, it holds on this part alone.",
         value_name: "[PART=]G",
         law: Some(LawNumber::Friction),
@@ -190,7 +190,7 @@ pub(crate) static FIELDS: [Field; 23] = [
     },
     Field {
         name: "limit",
-        help: "Law: dv/dn between 0 and LIMIT, and v < 0 where it is LIMIT",
+        help: "Law: dv/dn between 0 and LIMIT, and v below the gap, 0, where it is LIMIT",
         more: "With PART=LIMIT, as hole=2, it holds on this part alone.",
         value_name: "[PART=]LIMIT",
         is_rare: true,

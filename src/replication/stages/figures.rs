@@ -275,7 +275,7 @@ fn draw_map(scenes: &[Scene], inputs: &Inputs) -> Result<Picture, Failure> {
 }
 
 /// Returns, as CSV, the energy of each scene with its bracket, the bound of its error over the solution, and the share
-/// of the boundary under the law on which v is held at zero.
+/// of the boundary under the law that sticks.
 fn numbers(inputs: &Inputs, scenes: &[Scene]) -> Result<String, Failure> {
     let mut table = "energy,energy_lower,energy_upper,error,held\n".to_owned();
     for scene in scenes {

@@ -342,7 +342,7 @@ pub(super) fn problem(inputs: &Inputs, scene: &Scene) -> Result<Problem, Failure
     Ok(mesh_files::problem(&statement, inputs.files)?)
 }
 
-/// Returns the share of the boundary under the law on which v is held at zero.
+/// Returns the share of the boundary under the law that sticks.
 pub(super) fn held(problem: &Problem, pair: &Pair) -> f64 {
     let (domain, mut held, mut all) = (problem.domain(problem.finest()), 0.0, 0.0);
     for (node, is_held) in domain.contact().iter().zip(problem.in_contact(pair)) {

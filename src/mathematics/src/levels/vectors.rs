@@ -17,7 +17,7 @@ pub struct OnPart {
     pub name: String,
     /// Law.
     pub law: Law,
-    /// Integral of the flux; of a node on several parts each has its share of the length or area.
+    /// Integral of the flux; at a node on several parts, those whose laws do not decide it have shares by measure.
     pub force: f64,
     /// Numbers of nodes by their states; none of a free or a fixed part, or of a true solution.
     pub states: StateCounts,
@@ -34,15 +34,28 @@ impl Problem {
         };
         let (facts, load) = (self.levels().facts(), self.load());
         let shares = self.levels().mesh(self.finest()).shares();
+        // Flux at each node that no law of its parts decides, and the length or area of these parts there.
+        let mut open = BTreeMap::new();
+        for (_, law, shares) in shares.iter().filter(|(_, law, _)| !law.is_free()) {
+            for (&node, share) in shares {
+                let (rest, of) = open.entry(node).or_insert_with(|| {
+                    let flux = network.place(node).and_then(|place| judgement.flux_at(place));
+                    (flux.unwrap_or_else(|| network.gradient_at(node, y, load)), 0.0)
+                });
+                match law.flux_of(y[node], judgement.rounding) {
+                    Some(flux) => *rest -= share * flux,
+                    None => *of += share,
+                }
+            }
+        }
         let on_part = |(name, law, shares): (String, Law, BTreeMap<usize, f64>)| {
             let (mut force, mut states) = (0.0, StateCounts::default());
             for (node, share) in shares {
-                let of_all = network.at(node).measure;
-                force += match network.place(node).and_then(|place| judgement.flux_at(place)) {
-                    _ if law.is_free() => share * law.lo(),
-                    Some(flux) => share / of_all * flux,
-                    None => share / of_all * network.gradient_at(node, y, load),
-                };
+                force += share
+                    * law.flux_of(y[node], judgement.rounding).unwrap_or_else(|| {
+                        let (rest, of) = open[&node];
+                        rest / of
+                    });
                 if law.may_move()
                     && let Some((place, _)) = network.contact_at(node)
                 {

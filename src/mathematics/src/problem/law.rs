@@ -285,6 +285,18 @@ impl Law {
         self.lo == 0.0 && self.hi == f64::INFINITY
     }
 
+    /// Flux where v is known: that of a free part, or an end where v is off the value by more than `rounding`; none
+    /// where the flux may be anything in the interval.
+    pub fn flux_of(self, v: f64, rounding: f64) -> Option<f64> {
+        let end = match v - self.at {
+            _ if self.is_free() => self.lo,
+            above if above > rounding => self.lo,
+            above if above < -rounding => self.hi,
+            _ => return None,
+        };
+        Some(end).filter(|end| end.is_finite())
+    }
+
     /// v = `value`.
     ///
     /// # Errors
