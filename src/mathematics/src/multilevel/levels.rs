@@ -201,13 +201,13 @@ impl NestedProblem<'_> {
             let law = self.one_sided.law(contact.law);
             let at = law.at() / self.scale;
             if law.is_fixed() {
-                return Ok(Law::fixed(at)?);
+                return Ok(law.scaled_at(at));
             }
             let hi = match has_limits || !law.lo().is_finite() {
                 true => law.hi() / self.scale * longer,
                 false => f64::INFINITY,
             };
-            Ok(Law::new(law.lo(), hi)?.with_at(at)?)
+            Ok(Law::new(law.lo(), hi)?.scaled_at(at))
         };
         network.boundary().iter().map(of_node).collect()
     }

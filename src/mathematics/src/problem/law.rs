@@ -18,6 +18,7 @@
 //! and Physics*, 1976). The energy of the problem has the term `j(v)`, the largest of `-l (v - at)` over the interval.
 //! In the paper's formulas the projection onto the interval takes the place of `( )^+`.
 
+use super::error::SCALE;
 use super::text::Written;
 use crate::machine::extremes::{max_or_nan, min_or_nan};
 use serde::{Deserialize, Serialize};
@@ -94,8 +95,8 @@ pub enum LawError {
         /// Value of the parameter.
         value: f64,
     },
-    /// A value or a flux that is not finite.
-    #[error("{name} = {value} must be a number")]
+    /// A value or a flux with which no solver computes.
+    #[error("{name} = {value} must be 0, or a number of a size from {} to {}", Written(SCALE.start), Written(SCALE.end))]
     Number {
         /// Name of the number.
         name: &'static str,
@@ -300,7 +301,7 @@ impl Law {
     /// v = `value`.
     ///
     /// # Errors
-    /// [`LawError::Number`] unless the value is finite.
+    /// [`LawError::Number`] unless the value is 0 or in [`SCALE`].
     pub fn fixed(value: f64) -> Result<Self, LawError> {
         Self::FIXED.with_at(value)
     }
@@ -308,40 +309,45 @@ impl Law {
     /// dv/dn = `flux`.
     ///
     /// # Errors
-    /// [`LawError::Number`] unless the flux is finite.
+    /// [`LawError::Number`] unless the flux is 0 or in [`SCALE`].
     pub fn free(flux: f64) -> Result<Self, LawError> {
-        let flux = finite("flux", flux)?;
+        let flux = sized("flux", flux)?;
         Ok(Self { at: 0.0, lo: flux, hi: flux })
     }
 
     /// v >= `gap`, and dv/dn = `flux` where v is above it: less than `flux` nowhere.
     ///
     /// # Errors
-    /// [`LawError::Number`] unless both are finite.
+    /// [`LawError::Number`] unless both are 0 or in [`SCALE`].
     pub fn above(gap: f64, flux: f64) -> Result<Self, LawError> {
-        Self { lo: finite("flux", flux)?, ..Self::SIGNORINI }.with_at(gap)
+        Self { lo: sized("flux", flux)?, ..Self::SIGNORINI }.with_at(gap)
     }
 
     /// v <= `gap`, and dv/dn = `flux` where v is below it: more than `flux` nowhere.
     ///
     /// # Errors
-    /// [`LawError::Number`] unless both are finite.
+    /// [`LawError::Number`] unless both are 0 or in [`SCALE`].
     pub fn below(gap: f64, flux: f64) -> Result<Self, LawError> {
-        Self { hi: finite("flux", flux)?, ..Self::FIXED }.with_at(gap)
+        Self { hi: sized("flux", flux)?, ..Self::FIXED }.with_at(gap)
     }
 
     /// The law with another value.
     ///
     /// # Errors
-    /// [`LawError::Number`] unless the value is finite.
+    /// [`LawError::Number`] unless the value is 0 or in [`SCALE`].
     pub fn with_at(self, at: f64) -> Result<Self, LawError> {
-        let at = finite("value", at)?;
+        let at = sized("value", at)?;
         Ok(Self { at: if self.is_free() { 0.0 } else { at }, ..self })
     }
 
     /// The law in units of v and of dv/dn.
     pub(crate) fn in_units(self, value: f64, flux: f64) -> Self {
         Self { at: self.at / value, lo: self.lo / flux, hi: self.hi / flux }
+    }
+
+    /// The law of a problem whose values are divided, with this value.
+    pub(crate) fn scaled_at(self, at: f64) -> Self {
+        Self { at, ..self }
     }
 
     /// Value that v has unless the flux is at an end of the interval; 0 on a free part, where v takes any value.
@@ -617,9 +623,12 @@ fn above(value: f64) -> f64 {
     format!("{:.1e}", value + unit).parse().unwrap_or(f64::NAN)
 }
 
-fn finite(name: &'static str, value: f64) -> Result<f64, LawError> {
+fn sized(name: &'static str, value: f64) -> Result<f64, LawError> {
     // The sum with 0 takes the sign from -0.
-    if value.is_finite() { Ok(0.0 + value) } else { Err(LawError::Number { name, value }) }
+    match value == 0.0 || SCALE.contains(&value.abs()) {
+        true => Ok(0.0 + value),
+        false => Err(LawError::Number { name, value }),
+    }
 }
 
 fn positive(name: &'static str, value: f64) -> Result<f64, LawError> {
@@ -719,7 +728,8 @@ mod tests {
                 assert!(error.to_string().contains("must be a positive number"), "{error}");
             }
         }
-        for error in [Law::fixed(f64::NAN), Law::free(f64::INFINITY)].map(Result::unwrap_err) {
+        let unsized_laws = [Law::fixed(f64::NAN), Law::free(f64::INFINITY), Law::fixed(1e-200)];
+        for error in unsized_laws.map(Result::unwrap_err) {
             assert!(matches!(error, LawError::Number { .. }), "{error}");
         }
         let unbounded = [f64::NEG_INFINITY, f64::INFINITY];

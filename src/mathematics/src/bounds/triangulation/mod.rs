@@ -38,6 +38,12 @@
 //! stretched cells have more than a tenth of the square of the error: on them sweeps over nodes and sides are slow, and
 //! bounds would grow with the aspect.
 //!
+//! # Values by formulas
+//! A linear w with the values of a formula at nodes has others between them. `w + E` has those of the formula, and all
+//! that the law makes of it is exact (`excess.rs`): J, the distance from sigma and G are those of `w + E`, by
+//! quadrature in the cells of such facets, and the error of w is larger by `|grad E|` at most. A lower bound of the
+//! error there is none. Circulations of the flux look for the least `1/2 |sigma|^2 - <sigma.n at>`.
+//!
 //! # An f that is not constant on cells
 //! On each cell T there is a field without flux through the sides whose divergence is the mean of f less f, and whose
 //! norm is at most `h / pi` times the L2 norm of the deviation of f from the mean, h the diameter (Payne and
