@@ -10,7 +10,7 @@
 //! `D t^(D-1) dt`.
 
 use super::cells::{Cells, at_nodes, gradient};
-use super::linear::{SideFlux, at_vertices, outflows};
+use super::linear::{at_vertices, outflows};
 use crate::discrete::quadrature::{QuadraturePoint, quadrature};
 use crate::mesh::{BoundarySide, Element, Facet, Sides, dot, sorted};
 use crate::problem::formula::Formula;
@@ -87,10 +87,10 @@ impl<const D: usize> FormulaFacet<'_, D> {
 }
 
 /// Integrals of E for a facet whose value is this formula.
-pub(super) fn excess<const D: usize, const V: usize>(
+pub(super) fn excess<const D: usize, const V: usize, const N: usize>(
     &Cells { mesh, w, .. }: &Cells<'_, D, V>,
     sides: &Sides<V>,
-    flux: &[SideFlux<D>],
+    flux: &[[f64; N]],
     (facet, at, value): (&Facet<D>, &BoundarySide, &Formula),
 ) -> Excess {
     let nodes = &mesh.cells()[at.cell as usize];
@@ -123,7 +123,8 @@ pub(super) fn excess<const D: usize, const V: usize>(
         found.with_distance += volume * dot(apart, of_e);
         found.with_gradient += volume * dot(slope, of_e);
         found.integral += volume * e * d / (d + 1.0);
-        let density: f64 = barycentric.iter().zip(flux[at.side as usize]).map(|(b, q)| b * q).sum();
+        let density = std::array::from_fn::<_, D, _>(|k| flux[at.side as usize][k.min(N - 1)]);
+        let density: f64 = barycentric.iter().zip(density).map(|(b, q)| b * q).sum();
         found.of_value += weight * density * (linear + e);
     }
     found

@@ -4,25 +4,23 @@
 use crate::mesh::{Sides, difference, dot};
 
 /// Fluxes through a side, one for each of its nodes by increasing numbers: what would leave if the density were that at
-/// the node everywhere. Between the nodes the density is linear, and the mean of the fluxes is the flux. In space they
-/// are equal.
+/// the node everywhere. Between the nodes the density is linear, and the mean of the fluxes is the flux.
 pub(super) type SideFlux<const D: usize> = [f64; D];
 
 /// Outflows of a cell with these nodes, by the vertex opposite to the side and the vertex at which the density is
-/// taken.
+/// taken; the flux through a side has one number if the density is constant along it.
 #[inline(always)]
-pub(super) fn outflows<const D: usize, const V: usize>(
+pub(super) fn outflows<const V: usize, const N: usize>(
     sides: &Sides<V>,
     cell: u32,
     nodes: &[u32; V],
-    flux: &[SideFlux<D>],
+    flux: &[[f64; N]],
 ) -> [[f64; V]; V] {
     let mut outflows = [[0.0; V]; V];
     for (opposite, side) in sides.numbers(cell).into_iter().enumerate() {
         let sign = if sides.leaves(cell, side) { 1.0 } else { -1.0 };
         for vertex in (0..V).filter(|vertex| *vertex != opposite) {
-            // In space the density is constant along a side.
-            let is_second = D == 2 && nodes[vertex] > nodes[3 - opposite - vertex];
+            let is_second = N > 1 && nodes[vertex] > nodes[3 - opposite - vertex];
             outflows[opposite][vertex] = sign * flux[side as usize][usize::from(is_second)];
         }
     }

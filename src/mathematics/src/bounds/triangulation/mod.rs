@@ -165,11 +165,16 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
     ) -> Result<(Result<LocalBounds, NoBound>, Slips), NoBound> {
         let &Self { mesh, sides, network, f } = self;
         let cells = Cells { mesh, w, f: &f.cells };
+        if D != 2 {
+            let (flux, _) = balanced(&cells, sides, network, forest)?;
+            let summands = Summands { mesh, sides, f, y, w, flux: flux.as_chunks::<1>().0 };
+            return Ok((combined(&summands, summands.totals()), summands.slips()));
+        }
         let mut flux = equilibrated(&cells, sides, network, forest)?;
         let summands = Summands { mesh, sides, f, y, w, flux: &flux };
         let totals = summands.totals();
         let distance = totals.0.distance;
-        if D != 2 || w.len() > MOST_NODES || !is_in_stretched_cells(mesh, &totals.1) {
+        if w.len() > MOST_NODES || !is_in_stretched_cells(mesh, &totals.1) {
             return Ok((combined(&summands, totals), summands.slips()));
         }
         let forest = forest.get().expect("found for the flux");
@@ -231,8 +236,8 @@ pub(crate) fn is_in_stretched_cells<const D: usize, const V: usize>(
 }
 
 /// Combines the sums for a nodal vector in K and a flux to bounds.
-fn combined<const D: usize, const V: usize>(
-    summands: &Summands<'_, D, V>,
+fn combined<const D: usize, const V: usize, const N: usize>(
+    summands: &Summands<'_, D, V, N>,
     (totals, squares): (Totals, Vec<f64>),
 ) -> Result<LocalBounds, NoBound> {
     let largest = summands.largest();
@@ -273,7 +278,9 @@ fn combined<const D: usize, const V: usize>(
 }
 
 /// Sum of `CurveShare`s as an energy; none if no part of the boundary is curved, and in space.
-fn segments<const D: usize, const V: usize>(summands: &Summands<'_, D, V>) -> Option<f64> {
+fn segments<const D: usize, const V: usize, const N: usize>(
+    summands: &Summands<'_, D, V, N>,
+) -> Option<f64> {
     let shares = curve_shares(summands.mesh, summands.sides, &summands.f.cells.mean, summands.w);
     Some(0.5 * shares?.iter().map(|share| share.square).sum::<f64>())
 }
@@ -292,14 +299,25 @@ fn admissible<'a>(network: &Network, slips: Slips, y: &'a [f64]) -> Cow<'a, [f64
     w
 }
 
-/// Fluxes through all sides: sigma, for a nodal vector in K and the means of f over the cells. The stiffness matrix in
-/// `network` says by how much a circulation changes the norm.
+/// Fluxes through all sides of a mesh in the plane: sigma, for a nodal vector in K and the means of f over the cells.
+/// The stiffness matrix in `network` says by how much a circulation changes the norm.
 fn equilibrated<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
     network: &Network,
     forest: &OnceLock<CellForest>,
 ) -> Result<Vec<SideFlux<D>>, NoBound> {
+    let (flux, triangles) = balanced(cells, sides, network, forest)?;
+    Ok(vary(cells, sides, triangles, flux))
+}
+
+/// Fluxes through all sides, each constant along it, and the shapes of the cells in the plane.
+fn balanced<const D: usize, const V: usize>(
+    cells: &Cells<'_, D, V>,
+    sides: &Sides<V>,
+    network: &Network,
+    forest: &OnceLock<CellForest>,
+) -> Result<(Vec<f64>, Vec<Triangle>), NoBound> {
     let triangles = triangles(cells.mesh);
     let (mut flux, forest) = join(
         || {
@@ -310,7 +328,7 @@ fn equilibrated<const D: usize, const V: usize>(
         || forest.get_or_init(|| CellForest::new(sides, cells.mesh.cells().len())),
     );
     balance(cells, sides, forest, &mut flux)?;
-    Ok(vary(cells, sides, triangles, flux))
+    Ok((flux, triangles))
 }
 
 /// Nodes whose patches one thread computes before their fluxes are added.
@@ -348,7 +366,8 @@ impl<'a, const D: usize, const V: usize> Patches<'a, D, V> {
         cells: &Cells<'_, D, V>,
     ) -> Vec<SideOutflow> {
         let (Self { ring, fans, room }, all) = (self, cells.mesh.cells());
-        let mut outflows = Vec::with_capacity(8 * RUN);
+        // About as many as a patch has on a refined mesh.
+        let mut outflows = Vec::with_capacity(if D == 2 { 8 } else { 48 } * nodes.len());
         for &node in nodes {
             if D == 2 {
                 ring.begin(node);

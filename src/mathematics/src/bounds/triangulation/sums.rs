@@ -2,7 +2,7 @@
 
 use super::cells::{Cells, at_nodes, gradient, interval};
 use super::excess::excess;
-use super::linear::{SideFlux, at_vertices, largest_square, outflows, product};
+use super::linear::{at_vertices, largest_square, outflows, product};
 use crate::bounds::boundary::{Slips, mean_product};
 use crate::machine::threads::in_tasks;
 use crate::mesh::{
@@ -97,7 +97,7 @@ impl Totals {
 
 /// Functions and fluxes that are summed.
 #[derive(Clone, Copy)]
-pub(super) struct Summands<'a, const D: usize, const V: usize> {
+pub(super) struct Summands<'a, const D: usize, const V: usize, const N: usize> {
     pub mesh: &'a Mesh<D, V>,
     pub sides: &'a Sides<V>,
     pub f: &'a MeshLoad,
@@ -105,11 +105,11 @@ pub(super) struct Summands<'a, const D: usize, const V: usize> {
     pub y: &'a [f64],
     /// Nodal vector in K.
     pub w: &'a [f64],
-    /// Fluxes through all sides.
-    pub flux: &'a [SideFlux<D>],
+    /// Fluxes through all sides: as [`SideFlux`](super::linear::SideFlux) in the plane, one number for each in space.
+    pub flux: &'a [[f64; N]],
 }
 
-impl<const D: usize, const V: usize> Summands<'_, D, V> {
+impl<const D: usize, const V: usize, const N: usize> Summands<'_, D, V, N> {
     /// Sums over all cells and facets, and the square of the guaranteed error in each cell: of the distance, and twice
     /// the work on the facets in contact.
     pub(super) fn totals(&self) -> (Totals, Vec<f64>) {
@@ -290,7 +290,7 @@ impl<const D: usize, const V: usize> Summands<'_, D, V> {
                 false => self.w[node as usize] - at,
             });
             let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
-            let flux = self.flux[side as usize];
+            let flux = std::array::from_fn(|k| self.flux[side as usize][k.min(N - 1)]);
             let totals = match law.is_free() {
                 true => Totals {
                     given: mean_product(w, flux),

@@ -23,8 +23,7 @@ struct Bubbles<'a, const V: usize> {
 }
 
 /// Gives the flux through each side, constant along it, the variation of the least norm, less twice the integral of the
-/// values of laws times the flux, within the law, in one sweep
-/// over all sides forth and one back. In space there is none.
+/// values of laws times the flux, within the law, in one sweep over all sides forth and one back.
 pub(super) fn vary<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
@@ -39,9 +38,7 @@ pub(super) fn vary<const D: usize, const V: usize>(
     // The memory is that of the mesh several times.
     drop((bubbles.load, triangles));
     let mut flux: Vec<_> = flux.into_iter().map(|flux| [flux; D]).collect();
-    if D == 2 {
-        add(&psi, cells, sides, &mut flux);
-    }
+    add(&psi, cells, sides, &mut flux);
     flux
 }
 
@@ -53,8 +50,7 @@ impl<'a, const V: usize> Bubbles<'a, V> {
         triangles: &'a [Triangle],
         flux: &[f64],
     ) -> Self {
-        let count = if triangles.is_empty() { 0 } else { sides.len() };
-        let mut load = vec![0.0; count];
+        let mut load = vec![0.0; sides.len()];
         for (number, &Triangle { couplings: c, .. }) in (0..).zip(triangles) {
             let (numbers, q) = (sides.numbers(number), sides.outflows(number, flux));
             for k in 0..3 {
@@ -64,7 +60,7 @@ impl<'a, const V: usize> Bubbles<'a, V> {
                 load[numbers[k] as usize] += 0.25 * (q[k] * (c[j] - c[i]) + of_others);
             }
         }
-        for facet in cells.facets_with_values().take_while(|_| count > 0) {
+        for facet in cells.facets_with_values() {
             // See `add`: the flux at the first end grows by four times the bubble.
             let [from, to] = cells.values(sides, facet);
             load[sides.of_facets()[facet].side as usize] += 0.25 * (from - to);
@@ -74,7 +70,7 @@ impl<'a, const V: usize> Bubbles<'a, V> {
             0.25 * cells.interval(facet).room(flux[side as usize]).max(0.0)
         });
         let limits = limits.collect();
-        Self { sides, triangles, psi: vec![0.0; count], load, limits }
+        Self { sides, triangles, psi: vec![0.0; sides.len()], load, limits }
     }
 
     /// Gives the bubbles on the sides of a cell, in this order, the factors of the least norm, each if the flux is
