@@ -127,14 +127,10 @@ fn boundary_nodes<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Vec<Cont
 /// node has a potential there that the law of the node, which begins at its value, lacks.
 fn potential_at<const D: usize, const V: usize>(mesh: &Mesh<D, V>, nodes: &[ContactNode]) -> f64 {
     let mut potential = 0.0;
-    let mut values = mesh.parts.iter().map(|part| part.law.at());
-    let first = values.next();
-    if values.all(|value| Some(value) == first) {
-        return potential;
-    }
     for facet in mesh.facets.iter().filter(|facet| !mesh.law(facet).is_free()) {
-        let (law, share) = (mesh.law(facet), measure(mesh.corners(facet)) / D as f64);
+        let share = measure(mesh.corners(facet)) / D as f64;
         for node in facet.nodes {
+            let law = mesh.law_at(facet.part, node);
             let place = nodes.binary_search_by_key(&(node as usize), |of| of.node);
             let at = nodes[place.expect("a node of a facet with a law")].law.at();
             if at != law.at() {

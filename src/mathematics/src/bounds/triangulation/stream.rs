@@ -26,8 +26,8 @@ struct Limit {
 struct StreamEnd {
     /// Number of facets at the node.
     facets: u32,
-    /// True if a facet of the node keeps its flux: a free one, or one where w slips since the node has another value.
-    is_given: bool,
+    /// True if a facet of the node is free.
+    is_free: bool,
     /// Limits by the facets in contact that end and begin at the node.
     limits: [Option<Limit>; 2],
 }
@@ -55,7 +55,7 @@ pub(super) fn circulate<const D: usize, const V: usize>(
     if D != 2 {
         return;
     }
-    let mut stream = Stream::new(cells, sides, network, flux);
+    let mut stream = Stream::new(cells, sides, flux);
     // Minus the products of the flux with the fields of the hat functions.
     let mut load = vec![0.0; cells.w.len()];
     for ((number, nodes), triangle) in (0..).zip(cells.mesh.cells()).zip(triangles) {
@@ -82,7 +82,6 @@ impl Stream {
     fn new<const D: usize, const V: usize>(
         cells: &Cells<'_, D, V>,
         sides: &Sides<V>,
-        network: &Network,
         flux: &[f64],
     ) -> Self {
         let (mesh, nodes) = (cells.mesh, cells.w.len());
@@ -97,8 +96,7 @@ impl Stream {
                 }
                 let end: &mut StreamEnd = &mut boundary[*place as usize];
                 end.facets += 1;
-                let at = network.at(node as usize).law.at();
-                end.is_given |= law.is_free() || law.may_move() && law.at() != at;
+                end.is_free |= law.is_free();
                 if law.may_move() {
                     let law = cells.interval(facet);
                     let outflow = flux[side as usize];
@@ -119,7 +117,7 @@ impl Stream {
         let best = network.row(node).add_to(load[node], &self.psi) / network.diagonal()[node];
         self.psi[node] = match self.boundary.get(self.places[node] as usize) {
             None => best,
-            Some(StreamEnd { limits, is_given: false, facets: 2 }) => {
+            Some(StreamEnd { limits, is_free: false, facets: 2 }) => {
                 let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
                 for limit in limits.iter().flatten() {
                     let other = self.psi[limit.other as usize];
@@ -128,7 +126,7 @@ impl Stream {
                 }
                 best.min(upper).max(lower)
             }
-            // A facet keeps its flux; or a node at which the domain touches itself is left out.
+            // A free facet keeps its flux; a node at which the domain touches itself is left out.
             Some(_) => 0.0,
         };
     }
