@@ -96,7 +96,10 @@ pub enum LawError {
         value: f64,
     },
     /// A value or a flux with which no solver computes.
-    #[error("{name} = {value} must be 0, or a number of a size from {} to {}", Written(SCALE.start), Written(SCALE.end))]
+    #[error(
+        "{name} = {value} must be 0, or a number of a size from {} to {}", Written(SCALE.start),
+        Written(SCALE.end)
+    )]
     Number {
         /// Name of the number.
         name: &'static str,

@@ -25,8 +25,8 @@ pub(super) struct OpenNode<const D: usize> {
 
 impl<const D: usize> OpenNode<D> {
     /// Lets the reaction out through the facets as far as their laws allow, each in proportion to its measure; through
-    /// the fixed ones alone if there are any. The flux of free facets is given, and so is that of a facet whose value is
-    /// not the one at which the node sticks: w slips there. Returns the outflow.
+    /// the fixed ones alone if there are any. The flux of free facets is given, and so is that of a facet whose value
+    /// is not the one at which the node sticks: w slips there. Returns the outflow.
     ///
     /// A reaction beyond the end of the interval to which w slips, where w is not the value of the law, does work on
     /// the difference, and one that is left to the cells lengthens the distance from `grad w`. The sum of both is about
