@@ -32,9 +32,9 @@ pub(super) struct Integrals {
     /// Integral of dv/dn over the boundary.
     pub force: f64,
     /// Integral of f v.
-    work: f64,
+    pub(super) work: f64,
     /// Integral of v dv/dn over the boundary.
-    flux_work: f64,
+    pub(super) flux_work: f64,
     /// Integral of (v - at) dv/dn where v should be `at`.
     held: f64,
     /// Integral of q (v - at) where dv/dn should be q.

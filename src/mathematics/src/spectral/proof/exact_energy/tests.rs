@@ -156,6 +156,29 @@ fn energies_of_cells_are_those_that_are_known_within_their_errors() {
     }
 }
 
+/// Half of the integral of |grad v|^2 is half of those of v l and f v.
+#[test]
+fn the_size_of_a_solution_that_misses_its_flux_has_an_error() {
+    let mut own = solved("ring above a gap");
+    Spoiling::OfHole(0, 0.1, Complex::default()).spoil(&mut own.found.fit);
+    let proof = Proof::new(&own.setup, &own.found.fit).unwrap();
+    let samples = proof.samples(&proof.cells().unwrap());
+    let exact = bounded_energy(&proof, &samples, &[]).unwrap();
+    let (mut half, mut missed, mut largest) = (0.0, 0.0, 0.0f64);
+    for own in &samples {
+        let sums = Integrals::on_boundary(proof.setup, proof.fit, &own.nodes);
+        half += 0.5 * (sums.flux_work + sums.work);
+        for node in &own.nodes {
+            largest = largest.max(node.above().abs());
+            if let State::Flux(q) = node.state {
+                missed += node.spot.weight * (node.flux - q).abs();
+            }
+        }
+    }
+    let off = (exact.size() - half).abs();
+    assert!(off > 1e-2 && off <= exact.size_error(missed, largest), "{off} {missed} {largest}");
+}
+
 #[test]
 fn what_is_left_next_to_splits_is_bounded() {
     for (name, value) in [

@@ -7,6 +7,8 @@
 //! ```
 
 use super::*;
+use crate::mesh::{AnyMesh, BuiltIn};
+use crate::problem::source::Source;
 use crate::spectral::geometry::polygons::loop_of;
 use std::f64::consts::LN_2;
 
@@ -141,6 +143,17 @@ fn a_fixed_value_beside_a_gap_with_a_flux_is_a_load() {
     // The integral of |dG/dy|^2 is 24^2 (c - g)^2 times that of y^2 (1 - 2 y)^2, 1/240; the mean of G that of c and g.
     let moved = 0.5 * 576.0 * (c - gap) * (c - gap) / 240.0 - 0.5 * -4.0 * 0.5 * (c + gap);
     check_lifted(&of_v, &of_z, moved);
+}
+
+#[test]
+fn values_by_formulas_are_refused() {
+    let mut mesh = AnyMesh::from(BuiltIn::Square.plane().unwrap());
+    let f = [Source::constant(-1.0)];
+    mesh.set_law("boundary", Law::fixed(1.0).unwrap()).unwrap();
+    assert!(PlaneProblem::on_mesh(mesh.plane().unwrap(), &f).is_ok());
+    mesh.set_value("boundary", "0.1*x").unwrap();
+    let refused = PlaneProblem::on_mesh(mesh.plane().unwrap(), &f).unwrap_err().to_string();
+    assert!(refused.contains("the law on boundary has a formula"), "{refused}");
 }
 
 #[test]
