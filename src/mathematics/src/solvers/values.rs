@@ -426,14 +426,14 @@ fn brackets_contain_the_energies_of_values_by_formulas_and_shrink() {
 
 #[test]
 fn a_formula_that_is_a_number_has_the_bounds_of_the_number() {
-    let above = |value| Law::above(value, 0.0).unwrap();
-    let [f, length] = ["else=-1", "1/4"].map(str::to_owned);
-    let mesh =
-        |value| rectangle([1.0, 0.5], [4, 2], [Law::FREE, Law::FREE, above(value), Law::FIXED]);
-    let [with_number, mut with_formula] = [mesh(-0.25), mesh(0.0)];
-    with_formula.set_value("bottom", &format!("-{length}")).unwrap();
+    let [with_number, mut with_formula] = [-0.25, 0.0].map(|value| {
+        let bottom = Law::above(value, -0.5).unwrap();
+        let laws = [Law::FREE, Law::FREE, bottom, Law::fixed(1.0).unwrap()];
+        rectangle([1.0, 0.5], [4, 2], laws)
+    });
+    with_formula.set_value("bottom", "-1/4").unwrap();
     let [one, two] = [with_number, with_formula].map(|mesh| {
-        let problem = Problem::on_mesh(&mesh, 3, &f).unwrap();
+        let problem = Problem::on_mesh(&mesh, 3, "else=-1").unwrap();
         let y = solution(&problem, Solver::Multigrid);
         let [low, high] = problem.bounds(&y).unwrap().energy;
         [low, high, problem.judge(&y).energy]
