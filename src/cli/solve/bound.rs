@@ -25,8 +25,8 @@ pub(super) fn text(numbers: &Numbers, recovered: bool) -> String {
 pub(super) const TEN: usize = 10;
 const SIX: usize = 6;
 
-/// Returns, as text, the arcs that stick, and the total flux beside minus the integral of f, which are equal at the
-/// solution unless a part is fixed.
+/// Returns, as text, the arcs that stick, and the total flux beside minus the integral of f and of given fluxes, which
+/// are equal at the solution unless a part is fixed.
 pub(super) fn boundary(solved: &Solved) -> String {
     let (problem, has_contact) = (&solved.problem, solved.problem.has_contact());
     let rounding = problem.levels().facts().rounding();
@@ -51,18 +51,20 @@ pub(super) fn boundary(solved: &Solved) -> String {
         let force = force(arc.force, error);
         text += &format!("{holds} {place}, force {force}\n");
     }
-    let sums = [solved.force(), 0.0 - solved.integral()];
-    let [force, balance] = sums.map(|sum| force(sum, error));
-    text += &format!("{total} {force}, minus the integral of f {balance}\n");
     let has_fixed = problem.domain(problem.finest()).has_fixed_part();
-    if has_fixed || problem.law().is_none() || problem.given_flux() != 0.0 {
-        let mut fluxes = Vec::new();
-        for part in solved.on_parts() {
-            fluxes.push(format!("{} {}", part.name, self::force(part.force, error)));
-        }
-        if !fluxes.is_empty() {
-            text += &paragraph(&format!("flux through {}\n", fluxes.join(", ")));
-        }
+    let have_other = has_fixed || problem.law().is_none() || problem.given_flux() != 0.0;
+    let parts = if have_other { solved.on_parts() } else { Vec::new() };
+    let given = parts.iter().filter(|part| part.law.is_free()).map(|part| part.force).sum::<f64>();
+    let sums = [solved.force(), 0.0 - solved.integral() - given];
+    let [force, balance] = sums.map(|sum| force(sum, error));
+    let and = if given == 0.0 { "" } else { " and of given fluxes" };
+    text += &format!("{total} {force}, minus the integral of f{and} {balance}\n");
+    let mut fluxes = Vec::new();
+    for part in parts {
+        fluxes.push(format!("{} {}", part.name, self::force(part.force, error)));
+    }
+    if !fluxes.is_empty() {
+        text += &paragraph(&format!("flux through {}\n", fluxes.join(", ")));
     }
     text
 }
