@@ -51,7 +51,7 @@ pub struct Axis {
     pub(super) ends: Option<(f64, f64)>,
 }
 
-/// Scale of an [`Axis`].
+/// Scale of an axis of a [`Chart`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// From the least number to the greatest.

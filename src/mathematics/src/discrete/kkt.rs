@@ -26,7 +26,7 @@ pub struct Kkt {
     pub complementarity: f64,
     /// `max(stationarity, complementarity)`, the natural residual: zero at the solution only.
     pub natural: f64,
-    /// `natural` over the [unit](DiscreteDomain::unit) of the load; invariant under scaling of all data.
+    /// `natural` over the largest load, or the size of values where there is none; invariant under scaling of all data.
     pub relative: f64,
 }
 

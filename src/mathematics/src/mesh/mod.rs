@@ -249,7 +249,7 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         if D == 2 { self.origin.plane.in_space([x, y]) } else { place }
     }
 
-    /// Law on a facet; its value is that of [`Mesh::value`] if that is a formula.
+    /// Law on a facet; its value is that of the formula, where a part has one.
     pub fn law(&self, facet: &Facet<D>) -> Law {
         self.parts[facet.part as usize].law
     }
