@@ -205,15 +205,19 @@ mod tests {
     use super::*;
     use crate::replication::fields::lists::Products;
 
-    fn with(f: &str, vary: &str) -> Result<Vec<String>, String> {
+    /// Texts of f of the members with this f and these other keys, what varies among them.
+    fn with(f: &str, keys: &str) -> Result<Vec<String>, String> {
         #[derive(serde::Deserialize)]
         struct Given {
             vary: Products,
         }
-        let given: Given = toml::from_str(vary).map_err(|e| e.to_string())?;
-        let base = Fields::of_keys([("f".to_owned(), f.into())].into_iter().collect(), &[]);
-        let base = base.map_err(|refused| refused.text)?;
+        let given: Given = toml::from_str(keys).map_err(|e| e.to_string())?;
         let vary = Vary::of(&given.vary.0, VARY)?;
+        let mut keys: toml::Table = toml::from_str(keys).unwrap();
+        keys.insert("f".to_owned(), f.into());
+        keys.remove("vary");
+        let base = Fields::of_keys(keys.into_iter().collect(), &[]);
+        let base = base.map_err(|refused| refused.text)?;
         let members = vary.members(&base, Voice::Keys, |fields| fields.stated(Voice::Keys));
         let members = members.map_err(|refused| refused.text)?;
         Ok(members.into_iter().map(|member| member.statement.f).collect())
@@ -235,7 +239,7 @@ mod tests {
             ("else=-$R", "vary = { R = [\"1/4\", 0.25] }", "R = 0.25 is there twice"),
             ("else=-$h", "vary = { h = [4, 5] }", "`h` is a field; choose another name in f"),
             ("else=-$R", "vary = { R = 1, friction = [1, 1.0] }", "friction = 1 is there twice"),
-            ("else=-1", "gap = \"rim=$G\"\nvary = { G = [0.1, 1e-1] }", "G = 0.1 is there twice"),
+            ("else=-1", "law.gap = \"$G\"\nvary = { G = [0.1, 1e-1] }", "G = 0.1 is there twice"),
         ] {
             let refused = with(f, vary).unwrap_err();
             assert!(refused.contains(words), "{vary}: {refused}");
