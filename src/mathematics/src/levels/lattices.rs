@@ -59,6 +59,7 @@ impl Lattices {
             integral,
             size,
             given: 0.0,
+            given_flux: 0.0,
             by_quadrature: f.is_smooth(),
             known: f.exact().map(Known::Square),
             notes: f.outside(),

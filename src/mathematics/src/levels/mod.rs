@@ -102,12 +102,14 @@ pub struct Facts {
     pub extent: f64,
     /// f, in one line.
     pub f: String,
-    /// Integral of f over the domain, and of the flux over the free parts of its boundary.
+    /// Integral of f over the domain.
     pub integral: f64,
     /// Integral of |f|.
     pub size: f64,
     /// Integral of the absolute value of the flux over the free parts of the boundary.
     pub given: f64,
+    /// Flux out through these parts.
+    pub given_flux: f64,
     /// True if f is not constant on pieces, at least somewhere, so that the integrals are by quadrature.
     pub by_quadrature: bool,
     /// Known solution whose f this is.

@@ -86,6 +86,7 @@ where
             integral: load.integral,
             size: load.size,
             given: load.given,
+            given_flux: load.given_flux,
             by_quadrature: load.unsettled.is_some() || !finest.values.is_empty(),
             known,
             notes: finest.notes().into_iter().chain(outside.into_iter().flatten()).collect(),
@@ -197,8 +198,7 @@ where
     fn components(&self) -> Vec<Component> {
         let mut components =
             components(self.network(), &nested_components(&self.networks), &self.load.load);
-        let mut parts = self.finest().parts().iter();
-        let has_fluxes = parts.any(|part| part.law.is_free() && part.law.lo() != 0.0);
+        let has_fluxes = self.facts.given != 0.0;
         components.iter_mut().for_each(|of| of.has_fluxes = has_fluxes);
         components
     }

@@ -67,16 +67,6 @@ impl Problem {
         shares.into_iter().map(on_part).collect()
     }
 
-    /// Flux through the free parts of the boundary of the finest mesh, which is in the load.
-    pub fn given_flux(&self) -> f64 {
-        if self.levels().facts().given == 0.0 {
-            return 0.0;
-        }
-        let shares = self.levels().mesh(self.finest()).shares().into_iter();
-        let free = shares.filter(|(_, law, _)| law.is_free());
-        free.map(|(_, law, shares)| shares.values().sum::<f64>() * law.lo()).sum()
-    }
-
     /// Contact at the nodes of a boundary vector, as [`Pair::in_contact`] has it.
     pub fn in_contact(&self, pair: &Pair) -> Vec<bool> {
         pair.in_contact(self.domain(self.finest()))

@@ -42,12 +42,14 @@ pub struct MeshLoad {
     pub load: Vec<f64>,
     /// f on the cells.
     pub cells: CellData,
-    /// Integral of f, and of the flux over the free parts of the boundary.
+    /// Integral of f.
     pub integral: f64,
     /// Integral of |f|.
     pub size: f64,
     /// Integral of the absolute value of the flux over the free parts of the boundary.
     pub(crate) given: f64,
+    /// Flux out through the free parts of the boundary.
+    pub(crate) given_flux: f64,
     /// Sum of the differences of the formulas by which f was sampled; none if all integrals are exact.
     pub unsettled: Option<f64>,
     /// Sum of the differences between the integrals over cells and the formula of degree 5 on each whole cell.
@@ -323,9 +325,9 @@ impl<'a, const D: usize, const V: usize> LoadSums<'a, D, V> {
 
     fn finished(self) -> MeshLoad {
         let Self { mesh, mut load, mean, deviation, shares, size, unsettled, moved } = self;
-        let (mut given, mut net) = (0.0, 0.0);
+        let (mut given, mut given_flux) = (0.0, 0.0);
         for (facet, outflow) in given_fluxes(mesh) {
-            (given, net) = (given + outflow.abs(), net + outflow);
+            (given, given_flux) = (given + outflow.abs(), given_flux + outflow);
             facet.nodes.iter().for_each(|&node| load[node as usize] += outflow / D as f64);
         }
         let masses = mesh.cells().iter().zip(&mean);
@@ -334,7 +336,7 @@ impl<'a, const D: usize, const V: usize> LoadSums<'a, D, V> {
         let deviation = (!is_constant).then_some(deviation);
         let shares = (!is_constant).then(|| shares.into_flattened());
         let cells = CellData { mean, deviation, shares };
-        MeshLoad { load, cells, integral: integral + net, size, given, unsettled, moved }
+        MeshLoad { load, cells, integral, size, given, given_flux, unsettled, moved }
     }
 }
 

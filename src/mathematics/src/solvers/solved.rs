@@ -268,8 +268,7 @@ impl Solved {
     /// Integral of f: of a true solution over the domain, else over the finest level. A sum of rounding errors is zero.
     pub fn integral(&self) -> f64 {
         let facts = self.problem.levels().facts();
-        let of_levels = facts.integral - self.problem.given_flux();
-        facts.without_rounding(self.truth().map_or(of_levels, |found| found.integral))
+        facts.without_rounding(self.truth().map_or(facts.integral, |found| found.integral))
     }
 
     /// Errors of v on the finest level; none if the solution is not known.

@@ -169,7 +169,7 @@ fn of_load(problem: &Problem, last: &Outcome) -> Option<Warning> {
         true => (4.0 * slack(problem)).max(RESOLVED * facts.size),
         false => slack(problem),
     };
-    let (sum_load, integral) = (last.sum_load, facts.integral);
+    let (sum_load, integral) = (last.sum_load - facts.given_flux, facts.integral);
     if facts.known.is_none() && (sum_load - integral).abs() > slack {
         return Some(match facts.by_quadrature {
             true => Warning::Points { level, sum_load, integral },

@@ -53,6 +53,7 @@ fn constant_on_cells<const D: usize, const V: usize>(
         integral,
         size,
         given: 0.0,
+        given_flux: 0.0,
         unsettled: None,
         moved: 0.0,
     }
