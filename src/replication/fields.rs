@@ -16,7 +16,7 @@ pub(crate) mod write;
 use crate::replication::limits;
 use clap::builder::{PossibleValue, Resettable, StringValueParser, StyledStr, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use signorini_mathematics::problem::text::Written;
+use parts::{names, with_known};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
 use table::{BOUNDARY, FIELDS, Field, Reading, Refused, field, text};
@@ -89,30 +89,24 @@ impl Fields {
     /// Names in place of numbers of laws.
     fn names_in_laws(&self) -> BTreeSet<String> {
         let texts = FIELDS.iter().filter_map(|field| Some((field, self.0.get(field.name)?)));
-        let names =
-            texts.flat_map(|(field, texts)| texts.iter().filter_map(|text| field.name_in(text)));
-        names.map(|(_, _, name)| name.to_owned()).collect()
+        let numbers =
+            texts.flat_map(|(field, texts)| texts.iter().filter_map(|text| field.named_in(text)));
+        numbers.flat_map(|(_, number)| names(number)).map(str::to_owned).collect()
     }
 
     /// Texts of a field about laws, if names stand in place of its numbers.
     fn with_names(&self, field: &Field) -> Option<Vec<String>> {
         let texts = self.texts(field.name);
-        texts.iter().any(|text| field.name_in(text).is_some()).then(|| texts.to_vec())
+        texts.iter().any(|text| field.named_in(text).is_some()).then(|| texts.to_vec())
     }
 
     /// Puts numbers in place of their names in laws.
     fn put_into_laws(&mut self, numbers: &BTreeMap<String, f64>) {
         for field in &FIELDS {
             for text in self.0.get_mut(field.name).into_iter().flatten() {
-                let Some((part, sign, name)) = field.name_in(text) else { continue };
-                if let Some(number) = numbers.get(name) {
-                    let number = Written(sign * number + 0.0);
-                    *text = if part.is_empty() {
-                        number.to_string()
-                    } else {
-                        format!("{part}={number}")
-                    };
-                }
+                let Some((part, number)) = field.named_in(text) else { continue };
+                let number = with_known(number, numbers);
+                *text = if part.is_empty() { number } else { format!("{part}={number}") };
             }
         }
     }

@@ -130,7 +130,7 @@ impl Numbers {
         for reserve in self.reserve.iter().flat_map(|names| names.rsplit(' ')) {
             but += &match reserve == "polygon" {
                 true => format!(", on the {domain}"),
-                false => ", but for the quadrature of f".into(),
+                false => ", but for the quadrature of formulas".into(),
             };
         }
         let [least, most] = bounds.error;

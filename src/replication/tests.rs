@@ -11,6 +11,7 @@ use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::discrete::load::{Diagonal, LoadRule};
 use signorini_mathematics::discrete::transfer::Prolongation;
 use signorini_mathematics::mesh::AnyMesh;
+use signorini_mathematics::problem::formula::Formula;
 use signorini_mathematics::problem::law::LawNumber;
 use signorini_mathematics::problem::source::Tie;
 use signorini_mathematics::saddle::StopRule;
@@ -53,28 +54,36 @@ fn domain() -> impl Strategy<Value = Domain> {
 }
 
 /// A value or a flux.
-fn number() -> impl Strategy<Value = f64> {
-    prop_oneof![Just(0.0), -2.0..2.0f64]
+fn number() -> impl Strategy<Value = Formula> {
+    prop_oneof![Just(0.0), -2.0..2.0f64].prop_map(Formula::from)
+}
+
+/// A number or a formula.
+fn value() -> impl Strategy<Value = Formula> {
+    let formulas = ["x", "0.1*x - y", "-x", "min(x, 1)^2/3", "1 - cos(pi*x)"];
+    let formula = (0..formulas.len()).prop_map(move |k| Formula::read(formulas[k], 3).unwrap());
+    prop_oneof![number(), formula]
 }
 
 /// Numbers of a law: none, or one with a gap.
-fn law() -> impl Strategy<Value = Vec<(LawNumber, f64)>> {
+fn law() -> impl Strategy<Value = Vec<(LawNumber, Formula)>> {
     let of = prop_oneof![Just(LawNumber::Friction), Just(LawNumber::Limit)];
     prop_oneof![
         Just(Vec::new()),
-        number().prop_map(|gap| vec![(LawNumber::Gap, gap)]),
-        (of, positive(), number()).prop_map(|(of, g, gap)| vec![(of, g), (LawNumber::Gap, gap)])
+        value().prop_map(|gap| vec![(LawNumber::Gap, gap)]),
+        (of, positive(), value())
+            .prop_map(|(of, g, gap)| vec![(of, g.into()), (LawNumber::Gap, gap)])
     ]
 }
 
 /// Numbers of a law on a part.
-fn law_of_part() -> impl Strategy<Value = Vec<(LawNumber, f64)>> {
+fn law_of_part() -> impl Strategy<Value = Vec<(LawNumber, Formula)>> {
     let below = |(most, flux)| vec![(LawNumber::Below, most), (LawNumber::Flux, flux)];
     prop_oneof![
         law(),
-        number().prop_map(|flux| vec![(LawNumber::Free, flux)]),
-        number().prop_map(|value| vec![(LawNumber::Fixed, value)]),
-        (number(), number()).prop_map(below)
+        value().prop_map(|flux| vec![(LawNumber::Free, flux)]),
+        value().prop_map(|value| vec![(LawNumber::Fixed, value)]),
+        (value(), number()).prop_map(below)
     ]
 }
 
@@ -202,6 +211,16 @@ proptest! {
         let json = serde_json::to_string(&stated).unwrap();
         assert_eq!(serde_json::from_str::<Statement>(&json).unwrap(), stated, "{json}");
     }
+}
+
+#[test]
+fn a_formula_without_coordinates_states_its_number() {
+    let stated = ["bottom=0.25", "bottom=1/4", "bottom=0.5^2 + 0*pi"].map(|gap| {
+        let options = Options::try_parse_from(["solve", "--f", "else=-1", "--gap", gap]).unwrap();
+        serde_json::to_string(&options.fields.stated(Voice::Options).unwrap()).unwrap()
+    });
+    assert!(stated[0].contains("{\"bottom\":{\"gap\":0.25}}"), "{}", stated[0]);
+    assert!(stated.iter().all(|other| *other == stated[0]), "{stated:?}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Guaranteed bounds under laws besides the paper's: known energies, disturbed vectors, symmetries, and meshes.
 
-use crate::common::Dice;
+use crate::common::{Dice, Project, TABLE, bracket, gmsh_file};
 use crate::laws::{FRICTION, FrictionProblem};
 use signorini_mathematics::bounds::{Bounds, NoBound};
 use signorini_mathematics::discrete::grid::Grid;
@@ -162,4 +162,47 @@ fn what_the_law_cannot_balance_has_no_bound() {
     let lshape = AnyMesh::built_in("lshape").unwrap();
     let found = Problem::on_mesh(&lshape.with_law(law), 1, "else=400").err();
     assert!(matches!(found, Some(ProblemError::Unsolvable(_))), "{found:?}");
+}
+
+/// Rectangle of two squares with this side, the first from here to the right; its parts are called 1 to 4, from the
+/// bottom on anticlockwise.
+fn two_squares(from: f64, side: f64) -> String {
+    let points = [[0, 0], [1, 0], [1, 1], [0, 1], [2, 0], [2, 1]];
+    let nodes = (1..).zip(points.map(|point| point.map(|x| side * f64::from(x))));
+    let nodes: Vec<_> = nodes.map(|(k, [x, y])| format!("{k} {} {y} 0", x + from)).collect();
+    let cells = [[1, 2, 3], [1, 3, 4], [2, 5, 6], [2, 6, 3]]
+        .map(|[a, b, c]| format!("2 2 9 9 {a} {b} {c}"));
+    let sides = [[1, 1, 2], [1, 2, 5], [2, 5, 6], [3, 6, 3], [3, 3, 4], [4, 4, 1]];
+    let sides = sides.map(|[part, a, b]| format!("1 2 {part} {part} {a} {b}"));
+    let elements: Vec<_> =
+        (1..).zip(cells.iter().chain(&sides)).map(|(k, line)| format!("{k} {line}")).collect();
+    gmsh_file(&nodes.join("\n"), &elements.join("\n"))
+}
+
+#[test]
+fn brackets_of_gaps_and_values_by_formulas_hold_known_energies_and_shrink() {
+    let project = Project::with(TABLE);
+    project.write("membrane.msh", two_squares(0.0, 0.5));
+    project.write("power.msh", two_squares(-1.0, 1.0));
+    let power = "(x^2+y^2)^0.75*cos(1.5*atan2(y,x))";
+    let fixed = format!("--fixed '2={power}' --fixed '3={power}' --fixed '4={power}'");
+    for (problem, energy) in [
+        // Of two series, to twelve digits.
+        (
+            "--domain membrane.msh --f else=-1 --free 2 --free 4 --fixed 3=1 --gap '1=0.2+0.45*(1-cos(pi*x))'",
+            0.494_429_697_794_469,
+        ),
+        // v is the real part of z^1.5.
+        (&*format!("--domain power.msh --f else=0 {fixed}"), 1.721_690_362_044_479),
+    ] {
+        let widths = [2, 3, 4, 5].map(|times| {
+            let answer = project.answer(&format!("{problem} --refine {times}"));
+            let [low, high] = bracket(&answer);
+            assert!(low <= energy && energy <= high, "{problem} {times}: {low} {high}");
+            assert_eq!(answer["bound"]["reserve"][0], "quadrature");
+            high - low
+        });
+        let shrinks = widths.windows(2).all(|pair| pair[1] < pair[0] / 3.2);
+        assert!(shrinks, "{problem}: {widths:?}");
+    }
 }

@@ -209,7 +209,7 @@ fn answers_say_on_what_their_bounds_rest() {
     let square = format!("--domain {} --refine 1 {pieces}", mesh_path("square"));
     let curved = format!("{square} --curve south=0.5,-10,10.012492197250394");
     let [exactly, quadrature] =
-        ["guaranteed: true energy", "guaranteed, but for the quadrature of f:"];
+        ["guaranteed: true energy", "guaranteed, but for the quadrature of formulas:"];
     for (problem, f, reserve, words) in [
         ("--h 1/8", pieces, json!([]), exactly),
         ("--h 1/8", formula, json!(["quadrature"]), quadrature),
@@ -222,7 +222,7 @@ fn answers_say_on_what_their_bounds_rest() {
             "--domain annulus --refine 1",
             formula,
             json!(["quadrature", "polygon"]),
-            "guaranteed, on the polygon, but for the quadrature of f:",
+            "guaranteed, on the polygon, but for the quadrature of formulas:",
         ),
         ("--domain ball --refine 1", "--f else=-1", json!(["polygon"]), "on the polyhedron:"),
         (&square, "", json!([]), exactly),

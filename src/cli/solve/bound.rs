@@ -52,7 +52,8 @@ pub(super) fn boundary(solved: &Solved) -> String {
         text += &format!("{holds} {place}, force {force}\n");
     }
     let has_fixed = problem.domain(problem.finest()).has_fixed_part();
-    let have_other = has_fixed || problem.law().is_none() || problem.levels().facts().given != 0.0;
+    let have_several = problem.law().is_none() && problem.levels().laws().len() > 1;
+    let have_other = has_fixed || have_several || problem.levels().facts().given != 0.0;
     let parts = if have_other { solved.on_parts() } else { Vec::new() };
     let given = parts.iter().filter(|part| part.law.is_free()).map(|part| part.force).sum::<f64>();
     let sums = [solved.force(), 0.0 - solved.integral() - given];

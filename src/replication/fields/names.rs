@@ -1,31 +1,9 @@
 //! Names in f, each behind a dollar, in whose place a study has numbers.
 
-use super::parts::is_name;
+use super::parts::places;
 use super::table::{Reading, Refused, field};
 use signorini_mathematics::problem::text::Written;
 use std::collections::BTreeMap;
-use std::ops::Range;
-
-/// Returns the places of the names in f, behind their dollars; what stands in quotes has no names.
-fn places(f: &str) -> Vec<Range<usize>> {
-    let (mut places, mut is_quoted) = (Vec::new(), false);
-    for (at, sign) in f.match_indices(['"', '$']) {
-        let rest = &f[at + 1..];
-        let end = rest.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));
-        let end = at + 1 + end.unwrap_or(rest.len());
-        match sign {
-            "\"" => is_quoted = !is_quoted,
-            _ if !is_quoted && is_name(&f[at + 1..end]) => places.push(at + 1..end),
-            _ => {}
-        }
-    }
-    places
-}
-
-/// Returns the names in f.
-pub(super) fn names(f: &str) -> impl Iterator<Item = &str> {
-    places(f).into_iter().map(|place| &f[place])
-}
 
 /// Refuses an f with a name to which nothing has given a number.
 pub(super) fn check_names(f: &str) -> Reading<()> {

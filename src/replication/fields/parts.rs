@@ -2,26 +2,33 @@
 //!
 //! Central are [`under`], which reads such texts into a statement, and [`texts_of_law`], which writes them.
 
+use signorini_mathematics::problem::formula::Formula;
 use signorini_mathematics::problem::law::LawNumber;
 use signorini_mathematics::problem::text::Written;
 use signorini_mathematics::statement::Statement;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Texts of the numbers of this kind: that of all parts that are not named, and those of each part.
 pub(super) fn texts_of_law(of: &Statement, law: LawNumber) -> Vec<String> {
-    let text = |(part, number): (&str, f64)| match said(law, part) {
-        _ if part.is_empty() => Written(number).to_string(),
-        (_, None) if number == 0.0 => part.to_owned(),
-        _ => format!("{part}={}", Written(number)),
+    let text = |(part, number): (&str, &Formula)| match said(law, part) {
+        _ if part.is_empty() => number.to_string(),
+        (_, None) if number.number() == Some(0.0) => part.to_owned(),
+        _ => format!("{part}={number}"),
     };
     of.boundary.numbers(law).map(text).collect()
 }
 
-/// True if a text is a number, or a name in its place.
+/// True if a text is a number or a formula, with names in place of numbers or without; or is meant to be one.
 fn is_number(text: &str) -> bool {
     text.trim().parse::<f64>().is_ok()
-        || text.parse::<Written>().is_ok()
-        || signed_name(text).is_some()
+        || text.contains(['(', '*', '/', '^'])
+        || Formula::read(&with_ones(text), 3).is_ok()
+}
+
+/// Returns a text with ones in place of its names.
+fn with_ones(text: &str) -> String {
+    with_known(text, &names(text).map(|name| (name.to_owned(), 1.0)).collect())
 }
 
 /// The part of which a text says something, empty for all that are not named, and the number; a part that is free,
@@ -46,21 +53,29 @@ pub(super) fn under(of: Statement, law: LawNumber, given: &[String]) -> Result<S
         if part.is_empty() && number != Some(text.as_str()) {
             return Err("the name of a part is empty".into());
         }
-        let number = number.unwrap_or("0");
-        // A negative zero is zero.
-        let number = number.parse().ok().map(|Written(number)| 0.0 + number);
-        let number = match law {
-            LawNumber::Friction | LawNumber::Limit => number
-                .filter(|number| *number > 0.0)
-                .ok_or("must be a positive number, e.g. 0.3")?,
-            _ => number.ok_or("must be a number, e.g. 0.3")?,
-        };
-        if numbers.insert(part, number).is_some_and(|before| before != number) {
+        let number = read(law, number.unwrap_or("0"))?;
+        if numbers.insert(part, number.clone()).is_some_and(|before| before != number) {
             return Err("the part has a number already; name it once".into());
         }
         boundary = boundary.with(part, law, number);
     }
     Ok(Statement { boundary, ..of })
+}
+
+/// Reads the number or the formula of a law.
+fn read(law: LawNumber, text: &str) -> Result<Formula, String> {
+    let read = Formula::in_law(text, 3);
+    if law.takes_formulas() {
+        return read;
+    }
+    let number = read.as_ref().ok().and_then(Formula::number);
+    let is_positive = matches!(law, LawNumber::Friction | LawNumber::Limit);
+    match number {
+        Some(number) if !is_positive || number > 0.0 => read,
+        _ => {
+            Err(format!("must be a {}number, e.g. 0.3", if is_positive { "positive " } else { "" }))
+        }
+    }
 }
 
 /// True if the text can be a name in place of a number.
@@ -70,9 +85,35 @@ pub(super) fn is_name(text: &str) -> bool {
         && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
-/// The name in place of a number, with its sign, as `-$G`; none if the text is no such thing.
-pub(super) fn signed_name(text: &str) -> Option<(f64, &str)> {
-    let text = text.trim();
-    let (sign, text) = text.strip_prefix('-').map_or((1.0, text), |rest| (-1.0, rest));
-    text.strip_prefix('$').filter(|name| is_name(name)).map(|name| (sign, name))
+/// Returns the places of the names in f or the number of a law, behind their dollars; what stands in quotes has no names.
+pub(super) fn places(f: &str) -> Vec<Range<usize>> {
+    let (mut places, mut is_quoted) = (Vec::new(), false);
+    for (at, sign) in f.match_indices(['"', '$']) {
+        let rest = &f[at + 1..];
+        let end = rest.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));
+        let end = at + 1 + end.unwrap_or(rest.len());
+        match sign {
+            "\"" => is_quoted = !is_quoted,
+            _ if !is_quoted && is_name(&f[at + 1..end]) => places.push(at + 1..end),
+            _ => {}
+        }
+    }
+    places
+}
+
+/// Returns the names in f or the number of a law.
+pub(super) fn names(f: &str) -> impl Iterator<Item = &str> {
+    places(f).into_iter().map(|place| &f[place])
+}
+
+/// Returns the number of a law with numbers in place of its names, as far as they have some.
+pub(super) fn with_known(number: &str, numbers: &BTreeMap<String, f64>) -> String {
+    let (mut text, mut end) = (String::new(), 0);
+    for place in places(number) {
+        if let Some(known) = numbers.get(&number[place.clone()]) {
+            text += &format!("{}({})", &number[end..place.start - 1], Written(*known));
+            end = place.end;
+        }
+    }
+    text + &number[end..]
 }

@@ -2,6 +2,7 @@
 
 use super::Fields;
 use super::names::{check_names, without_values};
+use super::parts::names;
 use super::table::{FIELDS, Field, Reading, Refused, Voice, without_accuracy};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::solvers::Solver;
@@ -69,7 +70,8 @@ impl Fields {
     /// The statement with the value of a field, if it is given.
     fn give(&self, field: &Field, of: Statement, voice: Voice) -> Reading<Statement> {
         let Some(given) = self.0.get(field.name) else { return Ok(of) };
-        if let Some((_, _, name)) = given.iter().find_map(|text| field.name_in(text)) {
+        let named = given.iter().find_map(|text| field.named_in(text));
+        if let Some(name) = named.and_then(|(_, number)| names(number).next()) {
             return Err(without_values(field.name, name));
         }
         (field.set)(of, given).map_err(|reason| {

@@ -1,6 +1,6 @@
 //! The table of fields: names, values, and which solvers, domains and other fields they go with.
 
-use super::parts::{said, signed_name, texts_of_law, under};
+use super::parts::{names as names_in, said, texts_of_law, under};
 use super::{Fields, PAPERS};
 use crate::pipeline::error::Error;
 use clap::builder::PossibleValue;
@@ -149,6 +149,7 @@ pub(crate) static FIELDS: [Field; 23] = [
     Field {
         name: "free",
         help: "Part of the boundary with dv/dn = FLUX [default: 0]; others are in contact",
+        more: "A formula is a flux too, as in left=sin(pi*y).",
         value_name: "PART[=FLUX]",
         law: Some(LawNumber::Free),
         texts: |of| texts_of_law(of, LawNumber::Free),
@@ -158,6 +159,7 @@ pub(crate) static FIELDS: [Field; 23] = [
     Field {
         name: "fixed",
         help: "Part of the boundary with v = VALUE [default: 0]",
+        more: "A formula is a value too, as in top=0.1*x.",
         value_name: "PART[=VALUE]",
         law: Some(LawNumber::Fixed),
         texts: |of| texts_of_law(of, LawNumber::Fixed),
@@ -212,7 +214,7 @@ pub(crate) static FIELDS: [Field; 23] = [
     Field {
         name: "gap",
         help: "v is at least GAP; under friction or a limit it sticks at GAP [default: 0]",
-        more: "With PART=GAP, as bottom=0.1, it holds on this part alone.",
+        more: "With PART=GAP, as bottom=0.1, it holds on this part alone. A formula as 0.1*x is a gap too.",
         value_name: "[PART=]GAP",
         law: Some(LawNumber::Gap),
         says: &[],
@@ -614,11 +616,10 @@ impl Field {
         number.filter(|_| !part.is_empty()).map(|number| (part, number))
     }
 
-    /// The part in a text of a law, empty for all that are not named, with the name in place of its number and the
-    /// sign.
-    pub(super) fn name_in<'a>(&self, text: &'a str) -> Option<(&'a str, f64, &'a str)> {
+    /// The part in a text of a law, empty for all that are not named, with its number, if names stand in that.
+    pub(super) fn named_in<'a>(&self, text: &'a str) -> Option<(&'a str, &'a str)> {
         let (part, number) = said(self.law?, text);
-        signed_name(number?).map(|(sign, name)| (part, sign, name))
+        number.filter(|number| names_in(number).next().is_some()).map(|number| (part, number))
     }
 
     /// True if it decides which others may be given.

@@ -6,8 +6,8 @@
 use super::Fields;
 use super::lists::{MOST_MEMBERS, Varied, product_of};
 use super::member::{Member, Varying, in_words};
-use super::names::{names, with_numbers};
-use super::parts::is_name;
+use super::names::with_numbers;
+use super::parts::{is_name, names};
 use super::table::{FIELDS, Reading, Refused, Voice, field, text};
 use crate::replication::columns::{COLUMNS, END};
 use crate::replication::limits;

@@ -48,11 +48,11 @@ pub(crate) fn details(
         insert(of_truth(&found.checks));
     }
     let parts = solved.on_parts();
-    if parts.len() > 1 {
+    if parts.len() > 1 || parts.iter().any(|part| part.law.is_by_formula()) {
         let mut rows = Vec::new();
         for part in parts {
             let states = (part.states.all() > 0).then_some(part.states);
-            let law = part.law.to_string();
+            let law = part.in_words;
             rows.push(
                 json!({ "part": part.name, "law": law, "force": part.force, "states": states }),
             );
@@ -78,7 +78,7 @@ pub(crate) fn settings(statement: &Statement) -> Vec<(&'static str, Varying)> {
     settings
 }
 
-/// Numbers of a law.
+/// Numbers of a law; none where its value is a formula.
 fn ends(law: Law) -> Value {
     json!({ "at": law.at(), "lo": finite(law.lo()), "hi": finite(law.hi()) })
 }

@@ -1,4 +1,4 @@
-//! Quadrature on triangles and tetrahedra, exact for polynomials of degree 5.
+//! Quadrature on triangles and tetrahedra, exact for polynomials of degree 5, and on facets.
 //!
 //! A. H. Stroud, Approximate Calculation of Multiple Integrals, 1971: formulas T2: 5-1 (Radon) and T3: 5-1.
 
@@ -44,6 +44,33 @@ pub(crate) fn quadrature<const V: usize>() -> Vec<QuadraturePoint<V>> {
         }
         let near = (10.0 - 2.0 * root) / 40.0;
         add(&mut points, 10.0 / 189.0, [near, 0.5 - near], 2);
+    }
+    points
+}
+
+/// Points of Gauss on an edge, five of them, exact for polynomials of degree nine: places and weights.
+const GAUSS: [[f64; 2]; 5] = [
+    [0.046_910_077_030_668, 0.118_463_442_528_094_54],
+    [0.230_765_344_947_158_45, 0.239_314_335_249_683_23],
+    [0.5, 0.284_444_444_444_444_44],
+    [0.769_234_655_052_841_5, 0.239_314_335_249_683_23],
+    [0.953_089_922_969_332, 0.118_463_442_528_094_54],
+];
+/// Pieces of an edge with points of their own: where a value is a root, its derivative is large beside an end.
+const PIECES: u32 = 4;
+
+/// Returns the points on a facet of a cell in D dimensions.
+pub(crate) fn facet_points<const D: usize>() -> Vec<QuadraturePoint<D>> {
+    if D != 2 {
+        return quadrature();
+    }
+    let mut points = Vec::new();
+    for piece in 0..PIECES {
+        for [place, weight] in GAUSS {
+            let place = (f64::from(piece) + place) / f64::from(PIECES);
+            let barycentric = std::array::from_fn(|k| if k == 0 { 1.0 - place } else { place });
+            points.push(QuadraturePoint { barycentric, weight: weight / f64::from(PIECES) });
+        }
     }
     points
 }

@@ -33,7 +33,7 @@ pub struct Problem {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Reserve {
-    /// Of integrals of f, by formulas.
+    /// Of integrals of f, values and fluxes by formulas.
     Quadrature,
     /// Of a curved domain, by the polygon or polyhedron of the finest mesh.
     Polygon,

@@ -5,7 +5,7 @@ use crate::discrete::contact::ContactArc;
 use crate::discrete::grid::Grid;
 use crate::discrete::kkt::{Judgement, StateCounts};
 use crate::discrete::norms::Errors;
-use crate::mesh::{PointValue, arcs};
+use crate::mesh::{PartShares, PointValue, arcs};
 use crate::problem::law::Law;
 use crate::saddle::Pair;
 use std::collections::BTreeMap;
@@ -17,6 +17,8 @@ pub struct OnPart {
     pub name: String,
     /// Law.
     pub law: Law,
+    /// Law in words.
+    pub in_words: String,
     /// Integral of the flux; at a node on several parts, those whose laws do not decide it have shares by measure.
     pub force: f64,
     /// Numbers of nodes by their states; none of a free or a fixed part, or of a true solution.
@@ -36,8 +38,8 @@ impl Problem {
         let shares = self.levels().mesh(self.finest()).shares();
         // Flux at each node that no law of its parts decides, and the length or area of these parts there.
         let mut open = BTreeMap::new();
-        for (_, law, shares) in shares.iter().filter(|(_, law, _)| !law.is_free()) {
-            for (&node, share) in shares {
+        for part in shares.iter().filter(|part| !part.law.is_free()) {
+            for (&node, &(share, law)) in &part.nodes {
                 let (rest, of) = open.entry(node).or_insert_with(|| {
                     let flux = network.place(node).and_then(|place| judgement.flux_at(place));
                     (flux.unwrap_or_else(|| network.gradient_at(node, y, load)), 0.0)
@@ -48,11 +50,11 @@ impl Problem {
                 }
             }
         }
-        let on_part = |(name, law, shares): (String, Law, BTreeMap<usize, f64>)| {
+        let on_part = |PartShares { name, law, in_words, nodes }: PartShares| {
             let (mut force, mut states) = (0.0, StateCounts::default());
-            for (node, share) in shares {
+            for (node, (share, of_node)) in nodes {
                 force += share
-                    * law.flux_of(y[node], judgement.rounding).unwrap_or_else(|| {
+                    * of_node.flux_of(y[node], judgement.rounding).unwrap_or_else(|| {
                         let (rest, of) = open[&node];
                         rest / of
                     });
@@ -62,7 +64,7 @@ impl Problem {
                     states.add(judgement.states[place]);
                 }
             }
-            OnPart { name, law, force: facts.without_rounding(force), states }
+            OnPart { name, law, in_words, force: facts.without_rounding(force), states }
         };
         shares.into_iter().map(on_part).collect()
     }

@@ -6,7 +6,6 @@ use super::{
 };
 use crate::problem::formula::Formula;
 use crate::problem::law::Law;
-use crate::problem::text::Written;
 use std::any::Any;
 use std::collections::BTreeMap;
 
@@ -17,6 +16,18 @@ pub enum AnyMesh {
     Plane(PlaneMesh),
     /// In space.
     Space(SpaceMesh),
+}
+
+/// Part of the boundary with its share of each node.
+pub(crate) struct PartShares {
+    /// Names.
+    pub name: String,
+    /// Law.
+    pub law: Law,
+    /// Law in words.
+    pub in_words: String,
+    /// Length or area of the part at its nodes, with the law there, of a free part with the mean flux.
+    pub nodes: BTreeMap<usize, (f64, Law)>,
 }
 
 /// Value of an expression of the mesh, the same in both dimensions.
@@ -176,8 +187,9 @@ impl AnyMesh {
         either!(self, mesh => (mesh.parts.len() > 1).then(|| mesh.parts_of(marked)))
     }
 
-    /// For each part of the boundary its names, its law, and its nodes with their shares of its length or area.
-    pub(crate) fn shares(&self) -> Vec<(String, Law, BTreeMap<usize, f64>)> {
+    /// For each part of the boundary its names, its law with that in words, and its nodes with their shares of its
+    /// length or area.
+    pub(crate) fn shares(&self) -> Vec<PartShares> {
         either!(self, mesh => mesh.shares())
     }
 
@@ -195,13 +207,33 @@ impl AnyMesh {
         either!(self, mesh => mesh.set_law(name, law))
     }
 
-    /// Sets the value of the law on the facets of this name to a formula in the coordinates.
+    /// Sets the value of the law on the facets of this name, or the flux of a free part, to a formula in the coordinates.
     ///
     /// # Errors
-    /// A sentence if no facets of the boundary have this name, the text is no formula, or it has no value at a point of
-    /// them.
+    /// A sentence if no facets of the boundary have this name, or the text is no formula.
     pub fn set_value(&mut self, name: &str, formula: &str) -> Result<(), String> {
-        either!(self, mesh => mesh.set_value(name, formula))
+        either!(self, mesh => {
+            let parts = mesh.parts_named(name, "no law holds")?;
+            mesh.set_values(parts, formula)
+        })
+    }
+
+    /// Sets the law on the parts of the boundary with none of these names, with the formula of its value, if it has one.
+    ///
+    /// # Errors
+    /// A sentence if the text is no formula.
+    pub(crate) fn set_others(
+        &mut self,
+        named: &[String],
+        law: Law,
+        formula: Option<&Formula>,
+    ) -> Result<(), String> {
+        either!(self, mesh => {
+            let is_other = |part: &usize| !named.iter().any(|name| mesh.parts[*part].names.contains(name));
+            let others: Vec<_> = (0..mesh.parts.len()).filter(is_other).collect();
+            others.iter().for_each(|&part| mesh.parts[part].law = law);
+            formula.map_or(Ok(()), |formula| mesh.set_values(others, &formula.to_string()))
+        })
     }
 
     /// Puts a part of the boundary, and its nodes, on a circle, sphere or cylinder, given by its numbers: the centre
@@ -281,32 +313,34 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
     }
 
     /// As [`AnyMesh::shares`].
-    fn shares(&self) -> Vec<(String, Law, BTreeMap<usize, f64>)> {
-        let of_part = |part: &Part<D>| (part.names.to_string(), part.law, BTreeMap::new());
-        let mut shares: Vec<_> = self.parts.iter().map(of_part).collect();
+    fn shares(&self) -> Vec<PartShares> {
+        let of_part = |(part, number): (&Part<D>, u16)| PartShares {
+            name: part.names.to_string(),
+            law: part.law,
+            in_words: part.law.in_words(self.value(number)),
+            nodes: BTreeMap::new(),
+        };
+        let mut shares: Vec<_> = self.parts.iter().zip(0..).map(of_part).collect();
         for facet in &self.facets {
             let share = measure(self.corners(facet)) / D as f64;
             for node in facet.nodes {
-                *shares[usize::from(facet.part)].2.entry(node as usize).or_default() += share;
+                let law = self.law_at(facet, node);
+                let of_node = shares[usize::from(facet.part)].nodes.entry(node as usize);
+                let (sum, own) = of_node.or_insert((0.0, law));
+                if law.is_free() && *own != law {
+                    *own = law.with_flux((*sum * own.lo() + share * law.lo()) / (*sum + share));
+                }
+                *sum += share;
             }
         }
         shares
     }
 
-    fn set_value(&mut self, name: &str, formula: &str) -> Result<(), String> {
-        let value = Formula::read(formula, D).map_err(|error| error.to_string())?;
-        for part in self.parts_named(name, "no law holds")? {
-            for facet in self.facets.iter().filter(|facet| usize::from(facet.part) == part) {
-                let corners = self.corners(facet);
-                let centre =
-                    std::array::from_fn(|d| corners.iter().map(|x| x[d]).sum::<f64>() / D as f64);
-                for point in corners.into_iter().chain([centre]) {
-                    if !value.at(&point).is_finite() {
-                        let point = point.map(|x| Written(x).to_string()).join(", ");
-                        return Err(format!("{name}: {formula} has no value at ({point})"));
-                    }
-                }
-            }
+    /// Sets the values of the laws on these parts to a formula.
+    fn set_values(&mut self, parts: Vec<usize>, formula: &str) -> Result<(), String> {
+        let value = Formula::in_law(formula, D)?;
+        for part in parts {
+            self.parts[part].law = self.parts[part].law.by_formula();
             self.values.retain(|(own, _)| usize::from(*own) != part);
             self.values.push((part as u16, value.clone()));
         }

@@ -1,11 +1,12 @@
 //! The discrete problem of a triangulation: stiffness matrix (5) as couplings, load vector (6), parts of the boundary.
 
 use super::geometry::measure;
-use super::{Edges, Element, Mesh, MeshError, Sides};
+use super::{Edges, Element, Facet, Mesh, MeshError, Sides};
 use crate::discrete::network::{Coupling, Network};
-use crate::problem::law::{Conditions, ContactNode, LawSum};
+use crate::discrete::quadrature::facet_points;
+use crate::problem::law::{Conditions, ContactNode, Law, LawSum};
 use crate::problem::text::Written;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Coupling over the least diagonal of its nodes below which it is the rounding error of a right angle.
 const RIGHT_ANGLE: f64 = 1e-14;
@@ -72,33 +73,68 @@ fn assemble_with<const D: usize, const V: usize>(
     Network::new(&couplings, nodes, masses).with_potential(potential)
 }
 
+/// Checks that formulas of laws have values of a size with which all solvers compute at the nodes of their facets and at points between them.
+///
+/// # Errors
+/// [`MeshError::Value`].
+pub(crate) fn check_values<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+) -> Result<(), MeshError> {
+    let between = facet_points::<D>();
+    for (part, formula) in &mesh.values {
+        let (law, mut largest) = (mesh.parts[usize::from(*part)].law, 0.0f64);
+        let refused = |reason| {
+            let part = mesh.parts[usize::from(*part)].names.to_string();
+            Err(MeshError::Value { part, reason })
+        };
+        for facet in mesh.facets.iter().filter(|facet| facet.part == *part) {
+            let corners = mesh.corners(facet);
+            for point in corners.into_iter().chain(between.iter().map(|of| of.within(corners))) {
+                let value = formula.at(&point);
+                if !value.is_finite() {
+                    let at = point.map(|x| Written(x).to_string()).join(", ");
+                    return refused(format!(
+                        "{formula} has no value at ({at}); write a formula that has one on the whole part"
+                    ));
+                }
+                largest = largest.max(value.abs());
+            }
+        }
+        let sized = if law.is_free() { Law::free(largest) } else { law.with_at(largest) };
+        sized.map(drop).or_else(|error| refused(error.to_string()))?;
+    }
+    Ok(())
+}
+
 /// Checks that parts of the boundary which meet have laws that one function can have; see [`Law::meet`].
 ///
 /// # Errors
-/// [`MeshError::Meeting`].
+/// [`MeshError::Meeting`], and as [`check_values`].
 pub(crate) fn check_meetings<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
 ) -> Result<(), MeshError> {
-    let mut parts: BTreeMap<u32, BTreeSet<u16>> = BTreeMap::new();
-    let nodes = mesh.facets.iter().flat_map(|facet| facet.nodes.map(|node| (facet.part, node)));
+    check_values(mesh)?;
+    let mut parts: BTreeMap<u32, BTreeMap<u16, &Facet<D>>> = BTreeMap::new();
+    let nodes = mesh.facets.iter().flat_map(|facet| facet.nodes.map(|node| (facet, node)));
     let largest =
-        nodes.fold(0.0f64, |most, (part, node)| most.max(mesh.law_at(part, node).at().abs()));
+        nodes.fold(0.0f64, |most, (facet, node)| most.max(mesh.law_at(facet, node).at().abs()));
     for facet in mesh.facets.iter().filter(|facet| !mesh.law(facet).is_free()) {
         for node in facet.nodes {
             let others = parts.entry(node).or_default();
-            for &other in &*others {
-                let pair = [other.min(facet.part), other.max(facet.part)];
-                let laws = pair.map(|part| mesh.law_at(part, node));
+            for other in others.values() {
+                let mut pair = [*other, facet];
+                pair.sort_by_key(|facet| facet.part);
+                let laws = pair.map(|facet| mesh.law_at(facet, node));
                 if laws[0].meet(laws[1], largest).is_none() {
                     let point = mesh.points[node as usize].map(|x| Written(x).to_string());
                     let [one, two] = [0, 1].map(|k| {
-                        let names = &mesh.parts[usize::from(pair[k])].names;
-                        format!("{names}, where {},", Conditions(laws[k]))
+                        let names = &mesh.parts[usize::from(pair[k].part)].names;
+                        format!("{names}, where {},", Conditions { law: laws[k], formula: None })
                     });
                     return Err(MeshError::Meeting { one, two, at: point.join(", ") });
                 }
             }
-            others.insert(facet.part);
+            others.insert(facet.part, facet);
         }
     }
     Ok(())
@@ -116,7 +152,7 @@ fn boundary_nodes<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Vec<Cont
                 *place = sums.len() as u32;
                 sums.push((node, LawSum::default()));
             }
-            sums[*place as usize].1.add(mesh.law_at(facet.part, node), share);
+            sums[*place as usize].1.add(mesh.law_at(facet, node), share);
         }
     }
     sums.sort_unstable_by_key(|(node, _)| *node);
@@ -130,7 +166,7 @@ fn potential_at<const D: usize, const V: usize>(mesh: &Mesh<D, V>, nodes: &[Cont
     for facet in mesh.facets.iter().filter(|facet| !mesh.law(facet).is_free()) {
         let share = measure(mesh.corners(facet)) / D as f64;
         for node in facet.nodes {
-            let law = mesh.law_at(facet.part, node);
+            let law = mesh.law_at(facet, node);
             let place = nodes.binary_search_by_key(&(node as usize), |of| of.node);
             let at = nodes[place.expect("a node of a facet with a law")].law.at();
             if at != law.at() {

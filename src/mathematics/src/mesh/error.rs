@@ -151,6 +151,14 @@ pub enum MeshError {
         /// Coordinates of the point.
         at: String,
     },
+    /// Values of a law by a formula with which no solver computes.
+    #[error("the law on {part}: {reason}")]
+    Value {
+        /// Names of the part.
+        part: String,
+        /// What is wrong, with the remedy.
+        reason: String,
+    },
     /// Nodes that 32 bits do not number.
     #[error("{cells} elements are more than 32 bits number; refine less")]
     TooManyNodes {

@@ -5,7 +5,7 @@
 //! share, the nodes and the midpoints of edges, are taken once.
 
 use super::cut::{CellCutter, CellPart, ConstantPieces, CutShape};
-use super::{Edges, Facet, Mesh, measure, volume};
+use super::{Edges, Mesh, measure, volume};
 use crate::discrete::adaptive::{
     COST, CellValues, LEAST_PARTS, SETTLED, SHARED_POINTS, SampledCell, Sampler, Settling,
 };
@@ -326,9 +326,17 @@ impl<'a, const D: usize, const V: usize> LoadSums<'a, D, V> {
     fn finished(self) -> MeshLoad {
         let Self { mesh, mut load, mean, deviation, shares, size, unsettled, moved } = self;
         let (mut given, mut given_flux) = (0.0, 0.0);
-        for (facet, outflow) in given_fluxes(mesh) {
+        for facet in mesh.facets() {
+            let law = mesh.law(facet);
+            if !law.is_free() || mesh.parts()[usize::from(facet.part)].law == Law::FREE {
+                continue;
+            }
+            let measure = measure(mesh.corners(facet));
+            let outflow = law.lo() * measure;
             (given, given_flux) = (given + outflow.abs(), given_flux + outflow);
-            facet.nodes.iter().for_each(|&node| load[node as usize] += outflow / D as f64);
+            for node in facet.nodes {
+                load[node as usize] += mesh.law_at(facet, node).lo() * measure / D as f64;
+            }
         }
         let masses = mesh.cells().iter().zip(&mean);
         let integral: f64 = masses.map(|(cell, mean)| volume(mesh.vertices(cell)) * mean).sum();
@@ -338,15 +346,6 @@ impl<'a, const D: usize, const V: usize> LoadSums<'a, D, V> {
         let cells = CellData { mean, deviation, shares };
         MeshLoad { load, cells, integral, size, given, given_flux, unsettled, moved }
     }
-}
-
-/// Facets of free parts with a flux, and the flux through each.
-fn given_fluxes<const D: usize, const V: usize>(
-    mesh: &Mesh<D, V>,
-) -> impl Iterator<Item = (&Facet<D>, f64)> {
-    let laws = mesh.facets().iter().map(|facet| (facet, mesh.law(facet)));
-    let given = laws.filter(|(_, law)| law.is_free() && *law != Law::FREE);
-    given.map(|(facet, law)| (facet, law.lo() * measure(mesh.corners(facet))))
 }
 
 /// Values of f at the nodes of a mesh, and at the midpoints of its edges.

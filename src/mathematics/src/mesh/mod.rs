@@ -37,8 +37,9 @@ mod split;
 mod surface;
 
 pub use any::AnyMesh;
+pub(crate) use any::PartShares;
 pub use assemble::assemble;
-pub(crate) use assemble::{assemble_sides, check_meetings};
+pub(crate) use assemble::{assemble_sides, check_meetings, check_values};
 pub use at::PointValue;
 pub(crate) use beyond::{CurveGain, curve_gains};
 pub(crate) use bisect::{Bisected, bisect, is_stretched, label_longest_edges, quarter};
@@ -68,6 +69,7 @@ pub use refine::{Refined, refine};
 pub(crate) use sides::{BoundarySide, Neighbour, Sides, position};
 pub(crate) use source::on_regions;
 
+use crate::discrete::quadrature::facet_points;
 use crate::problem::formula::Formula;
 use crate::problem::law::Law;
 
@@ -108,7 +110,7 @@ pub struct Mesh<const D: usize, const V: usize> {
     pub(crate) facets: Vec<Facet<D>>,
     /// Parts of the boundary.
     pub(crate) parts: Vec<Part<D>>,
-    /// Values of laws that are no numbers but formulas, with the position of the part of each.
+    /// Values of laws, and fluxes of free parts, that are no numbers but formulas, with the position of the part of each.
     pub(crate) values: Vec<(u16, Formula)>,
     /// Names of facets that all lie inside the domain.
     pub(crate) inside: Vec<String>,
@@ -249,21 +251,49 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         if D == 2 { self.origin.plane.in_space([x, y]) } else { place }
     }
 
-    /// Law on a facet; its value is that of the formula, where a part has one.
+    /// Law on a facet: its value is NaN where it is a formula, and the flux of a free part by a formula the mean.
     pub fn law(&self, facet: &Facet<D>) -> Law {
-        self.parts[facet.part as usize].law
+        let law = self.parts[facet.part as usize].law;
+        match self.value(facet.part) {
+            Some(flux) if law.is_free() => law.with_flux(self.means(facet, flux).iter().sum()),
+            _ => law,
+        }
     }
 
-    /// Formula of the value of the law on a part, if it is no number.
+    /// Means over a facet of a formula times the hat functions of its nodes.
+    fn means(&self, facet: &Facet<D>, formula: &Formula) -> [f64; D] {
+        let (corners, mut means) = (self.corners(facet), [0.0; D]);
+        for point in facet_points::<D>() {
+            let value = point.weight * formula.at(&point.within(corners));
+            means
+                .iter_mut()
+                .zip(point.barycentric)
+                .for_each(|(mean, share)| *mean += share * value);
+        }
+        means
+    }
+
+    /// Formula of the value of the law on a part, or of the flux of a free one, if it is no number.
     pub(crate) fn value(&self, part: u16) -> Option<&Formula> {
         self.values.iter().find(|(own, _)| *own == part).map(|(_, value)| value)
     }
 
-    /// Law on a part with its value at a node; that of the part where the formula has none.
-    pub(crate) fn law_at(&self, part: u16, node: u32) -> Law {
-        let law = self.parts[usize::from(part)].law;
-        let value = self.value(part).map(|value| value.at(&self.points[node as usize]));
-        value.and_then(|value| law.with_at(value).ok()).unwrap_or(law)
+    /// Law on a facet for one of its nodes: with the value there, or the mean flux of a free part with the weight of the
+    /// hat function of the node.
+    pub(crate) fn law_at(&self, facet: &Facet<D>, node: u32) -> Law {
+        let law = self.parts[usize::from(facet.part)].law;
+        let Some(formula) = self.value(facet.part) else { return law };
+        if law.is_free() {
+            let of_nodes = facet.nodes.into_iter().zip(self.means(facet, formula));
+            let mean: f64 = of_nodes.filter(|(own, _)| *own == node).map(|(_, mean)| mean).sum();
+            return law.with_flux(D as f64 * mean);
+        }
+        law.scaled_at(formula.at(&self.points[node as usize]))
+    }
+
+    /// True if the value of a law is a formula.
+    pub(crate) fn has_values_by_formulas(&self) -> bool {
+        self.values.iter().any(|(part, _)| !self.parts[usize::from(*part)].law.is_free())
     }
 
     /// Vertices of a cell.

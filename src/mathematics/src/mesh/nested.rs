@@ -33,6 +33,9 @@ pub(crate) fn nested_meshes<const D: usize, const V: usize>(
         networks.push(NestedNetwork { network, parents: std::mem::replace(&mut between, parents) });
         meshes.push(mesh);
     }
+    // In space parts meet at new nodes too.
+    let mut with_formulas = meshes[1..].iter().filter(|mesh| !mesh.values.is_empty());
+    with_formulas.try_for_each(check_meetings)?;
     let finest = &meshes[meshes.len() - 1];
     let sides = Sides::new(finest);
     let network = assemble_sides(finest, &sides);

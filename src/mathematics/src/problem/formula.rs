@@ -6,16 +6,50 @@
 mod read;
 
 use super::error::SourceError;
+use super::text::Written;
 use crate::machine::extremes::{max_or_nan, min_or_nan};
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Formula in x and y, in space also in z.
-#[derive(Clone, Debug, PartialEq)]
+/// Formula in x and y, in space also in z; as data its text or, of a number, that.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "NumberOrText", try_from = "NumberOrText")]
 pub struct Formula {
     /// Canonical text.
     text: String,
     /// Steps of a stack machine, in postfix order; they leave one number.
     steps: Vec<FormulaStep>,
+}
+
+/// Formula as data.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum NumberOrText {
+    Number(f64),
+    Text(String),
+}
+
+impl From<Formula> for NumberOrText {
+    fn from(formula: Formula) -> Self {
+        formula.number().map_or(Self::Text(formula.text), Self::Number)
+    }
+}
+
+impl TryFrom<NumberOrText> for Formula {
+    type Error = SourceError;
+
+    fn try_from(of: NumberOrText) -> Result<Self, SourceError> {
+        match of {
+            NumberOrText::Number(number) => Ok(number.into()),
+            NumberOrText::Text(text) => Self::read(&text, 3),
+        }
+    }
+}
+
+impl From<f64> for Formula {
+    fn from(number: f64) -> Self {
+        Self { text: Written(number).to_string(), steps: vec![FormulaStep::Number(number)] }
+    }
 }
 
 /// Step of the evaluation.
@@ -69,6 +103,30 @@ impl Formula {
     /// [`SourceError::Formula`].
     pub fn read(text: &str, dimension: usize) -> Result<Self, SourceError> {
         read::read(text, dimension)
+    }
+
+    /// Reads a number of a law or a formula in its place; one without coordinates is the number that it is.
+    ///
+    /// # Errors
+    /// The fault of the text, with the remedy.
+    pub fn in_law(text: &str, dimension: usize) -> Result<Self, String> {
+        let read = Self::read(text, dimension).map_err(|e| match e {
+            SourceError::Formula { reason, .. } => {
+                format!("{reason}; write a number, e.g. 0.3, or a formula, e.g. 0.1*x")
+            }
+            other => other.to_string(),
+        })?;
+        let has_any = read.steps.iter().any(|step| matches!(step, FormulaStep::Coordinate(_)));
+        // A negative zero is zero.
+        Ok(if has_any { read } else { (0.0 + read.at(&[])).into() })
+    }
+
+    /// The number, of a formula that is one.
+    pub fn number(&self) -> Option<f64> {
+        match self.steps[..] {
+            [FormulaStep::Number(number)] => Some(number),
+            _ => None,
+        }
     }
 
     /// Value at a point, not finite where the formula has none.

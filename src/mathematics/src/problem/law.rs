@@ -19,6 +19,7 @@
 //! In the paper's formulas the projection onto the interval takes the place of `( )^+`.
 
 use super::error::SCALE;
+use super::formula::Formula;
 use super::text::Written;
 use crate::machine::extremes::{max_or_nan, min_or_nan};
 use serde::{Deserialize, Serialize};
@@ -31,8 +32,10 @@ const SAME: f64 = 1e-12;
 /// interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law {
-    /// The value; 0 where the interval is one number, since v takes any value there.
+    /// The value; 0 where the interval is one number, since v takes any value there, and NaN if it is a formula, so that
+    /// what does not ask for its values at points fails.
     at: f64,
+    /// Ends of the interval of the flux; NaN of a free part whose flux is a formula.
     lo: f64,
     hi: f64,
 }
@@ -97,8 +100,8 @@ pub enum LawError {
     },
     /// A value or a flux with which no solver computes.
     #[error(
-        "{name} = {value} must be 0, or a number of a size from {} to {}", Written(SCALE.start),
-        Written(SCALE.end)
+        "{name} = {} must be 0, or a number of a size from {} to {}", Written(*value),
+        Written(SCALE.start), Written(SCALE.end)
     )]
     Number {
         /// Name of the number.
@@ -269,6 +272,11 @@ impl Law {
         parts.iter().all(|part| part.1 == first).then_some(first)
     }
 
+    /// The law as it stands in messages, with the formula of its value, if it has one.
+    pub fn in_words(self, formula: Option<&Formula>) -> String {
+        formula.map_or_else(|| self.to_string(), |_| Conditions { law: self, formula }.to_string())
+    }
+
     /// True if what sticks may begin to slip, and what slips to stick: neither a free nor a fixed part.
     pub fn may_move(self) -> bool {
         !self.is_free() && !self.is_fixed()
@@ -276,7 +284,7 @@ impl Law {
 
     /// True if the flux is given: dv/dn = `lo`.
     pub fn is_free(self) -> bool {
-        self.lo == self.hi
+        self.lo == self.hi || self.lo.is_nan()
     }
 
     /// True if v is given: v = `at`.
@@ -348,12 +356,29 @@ impl Law {
         Self { at: self.at / value, lo: self.lo / flux, hi: self.hi / flux }
     }
 
-    /// The law of a problem whose values are divided, with this value.
+    /// The law with a formula in place of its value, or of a free part of its flux.
+    #[must_use]
+    pub fn by_formula(self) -> Self {
+        if self.is_free() { self.with_flux(f64::NAN) } else { Self { at: f64::NAN, ..self } }
+    }
+
+    /// True if a formula is in place of its value or its flux.
+    pub fn is_by_formula(self) -> bool {
+        self.at.is_nan() || self.lo.is_nan()
+    }
+
+    /// The law of a free part with this flux.
+    pub(crate) fn with_flux(self, flux: f64) -> Self {
+        Self { lo: flux, hi: flux, ..self }
+    }
+
+    /// The law with this value, which is known to be one.
     pub(crate) fn scaled_at(self, at: f64) -> Self {
         Self { at, ..self }
     }
 
-    /// Value that v has unless the flux is at an end of the interval; 0 on a free part, where v takes any value.
+    /// Value that v has unless the flux is at an end of the interval; 0 on a free part, where v takes any value, and NaN
+    /// if it is a formula.
     pub fn at(self) -> f64 {
         self.at
     }
@@ -536,28 +561,36 @@ impl fmt::Display for Law {
             Self::SIGNORINI => out.write_str("Signorini"),
             Self::FREE => out.write_str("free"),
             Self::FIXED => out.write_str("fixed"),
-            law => Conditions(law).fmt(out),
+            law => Conditions { law, formula: None }.fmt(out),
         }
     }
 }
 
-/// The conditions on v and its flux, as they stand in messages.
-pub(crate) struct Conditions(pub Law);
+/// The conditions on v and its flux, as they stand in messages, with the formula in place of the value.
+pub(crate) struct Conditions<'a> {
+    pub law: Law,
+    pub formula: Option<&'a Formula>,
+}
 
-impl fmt::Display for Conditions {
+impl fmt::Display for Conditions<'_> {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let law @ Law { at, lo, hi } = self.0;
+        let law @ Law { at, lo, hi } = self.law;
+        let value = match self.formula {
+            Some(formula) => formula.to_string(),
+            None if law.is_by_formula() => "a formula".to_owned(),
+            None => Written(if law.is_free() { lo } else { at }).to_string(),
+        };
         match () {
-            () if law.is_free() => return write!(out, "dv/dn = {}", Written(lo)),
-            () if law.is_fixed() => return write!(out, "v = {}", Written(at)),
-            () if hi == f64::INFINITY => write!(out, "v >= {}", Written(at))?,
-            () if lo == f64::NEG_INFINITY => write!(out, "v <= {}", Written(at))?,
+            () if law.is_free() => return write!(out, "dv/dn = {value}"),
+            () if law.is_fixed() => return write!(out, "v = {value}"),
+            () if hi == f64::INFINITY => write!(out, "v >= {value}")?,
+            () if lo == f64::NEG_INFINITY => write!(out, "v <= {value}")?,
             () if lo == -hi => write!(out, "friction {}", Written(hi))?,
             () => write!(out, "flux from {} to {}", Written(lo), Written(hi))?,
         }
         match [lo, hi].map(f64::is_finite) {
             [true, true] if at == 0.0 => Ok(()),
-            [true, true] => write!(out, " at v = {}", Written(at)),
+            [true, true] => write!(out, " at v = {value}"),
             [is_above, _] => match if is_above { lo } else { hi } {
                 0.0 => Ok(()),
                 flux => write!(out, ", dv/dn = {} elsewhere", Written(flux)),
@@ -593,6 +626,11 @@ impl LawNumber {
             Self::Gap | Self::Flux => true,
             Self::Free | Self::Fixed => false,
         }
+    }
+
+    /// True if a formula may take its place: it is the value of a law, or the flux of a free part.
+    pub fn takes_formulas(self) -> bool {
+        matches!(self, Self::Free | Self::Fixed | Self::Below | Self::Gap)
     }
 
     /// Law with this number.

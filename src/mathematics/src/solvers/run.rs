@@ -92,10 +92,7 @@ impl TrueSolution {
         }
         let fixed = mesh.facets().iter().filter(|facet| mesh.law(facet).is_fixed());
         for facet in fixed {
-            facet
-                .nodes
-                .iter()
-                .for_each(|&node| y[node as usize] = mesh.law_at(facet.part, node).at());
+            facet.nodes.iter().for_each(|&node| y[node as usize] = mesh.law_at(facet, node).at());
         }
         Pair { y, a }
     }

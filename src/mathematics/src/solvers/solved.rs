@@ -8,7 +8,7 @@ use crate::discrete::kkt::StateCounts;
 use crate::discrete::norms::Errors;
 use crate::discrete::transfer::prolong_boundary;
 use crate::levels::{OnPart, Problem, Reserve};
-use crate::mesh::PointValue;
+use crate::mesh::{PartShares, PointValue};
 use crate::saddle::Pair;
 use crate::spectral::TrueSolution;
 use std::sync::OnceLock;
@@ -256,10 +256,11 @@ impl Solved {
             FoundSolution::Truth(found) => found,
         };
         let (levels, mut parts) = (self.problem.levels(), Vec::new());
-        for (name, law, _) in levels.mesh(0).shares() {
+        for PartShares { name, law, in_words, .. } in levels.mesh(0).shares() {
             if let Some(&force) = found.forces.get(&name) {
                 let force = levels.facts().without_rounding(force);
-                parts.push(OnPart { name, law, force, states: StateCounts::default() });
+                let states = StateCounts::default();
+                parts.push(OnPart { name, law, in_words, force, states });
             }
         }
         parts

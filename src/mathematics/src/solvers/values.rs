@@ -6,7 +6,7 @@ use crate::discrete::kkt::judge;
 use crate::discrete::network::Network;
 use crate::discrete::norms::worst;
 use crate::levels::{Problem, ProblemError};
-use crate::mesh::{AnyMesh, Facet, MeshData, MeshError, Part};
+use crate::mesh::{AnyMesh, Facet, MeshData, MeshError, Part, PlaneMesh};
 use crate::multigrid::active_set::active_set;
 use crate::multigrid::{Goal, MultigridParams};
 use crate::multilevel::solve_nested_networks;
@@ -242,15 +242,44 @@ fn by_saddle_point(network: &Network, load: &[f64]) -> Vec<f64> {
     pair.y
 }
 
+/// Square with a law on each side, or a strip or a ring of straight sides with one at each end.
+fn random_mesh(dice: &mut Dice) -> AnyMesh {
+    let laws = [0; 4].map(|_| dice.law());
+    match dice.between(0.0, 4.0) as usize {
+        0 => rectangle([2.0, HEIGHT], [4, 1], [laws[0], laws[1], Law::FREE, Law::FREE]),
+        1 => {
+            let mut ring = AnyMesh::built_in("annulus").unwrap();
+            ring.set_law("inner", laws[0]).unwrap();
+            ring.set_law("outer", laws[1]).unwrap();
+            let AnyMesh::Plane(mesh) = &mut ring else { panic!("in the plane") };
+            mesh.parts_mut().iter_mut().for_each(|part| part.curve = None);
+            ring
+        }
+        _ => rectangle([1.0, 1.0], [2, 2], laws),
+    }
+}
+
+/// Puts one formula in place of the values of all laws, so that they agree where parts meet, and of the fluxes of free
+/// parts.
+fn put_formula(mesh: &mut AnyMesh, dice: &mut Dice) -> String {
+    let [a, b, c] = [0; 3].map(|_| dice.between(-1.0, 1.0));
+    let formula = format!("{a} + {b}*x*y + {c}*sin(3*x - y)");
+    let names: Vec<_> = mesh.part_names().cloned().collect();
+    names.iter().for_each(|part| mesh.set_value(part, &formula).unwrap());
+    formula
+}
+
 #[test]
-fn solvers_agree_on_squares_with_a_law_on_each_side() {
+fn solvers_agree_on_squares_strips_and_rings_with_values_and_formulas() {
     let mut dice = Dice(7);
-    let (mut seen, mut refused) = (0, 0);
-    while seen < 60 {
-        let laws = [0; 4].map(|_| dice.law());
-        let mesh = rectangle([1.0, 1.0], [2, 2], laws);
+    let (mut seen, mut refused, mut by_formulas) = (0, 0, 0);
+    while seen < 160 {
+        let mut mesh = random_mesh(&mut dice);
         let [low, high] = [0; 2].map(|_| dice.between(-6.0, 6.0));
         let f = format!("halfplane(1,0.5,{})={low}; else={high}", dice.between(0.2, 1.0));
+        let has_formula = dice.between(0.0, 1.0) > 0.4;
+        let formula = has_formula.then(|| put_formula(&mut mesh, &mut dice));
+        let context = format!("{f} {formula:?} {:?}", mesh.plane().map(PlaneMesh::parts));
         let problem = match Problem::on_mesh(&mesh, 2, &f) {
             Ok(problem) => problem,
             Err(ProblemError::Mesh(MeshError::Meeting { .. }) | ProblemError::Unsolvable(_)) => {
@@ -259,19 +288,19 @@ fn solvers_agree_on_squares_with_a_law_on_each_side() {
             }
             Err(error) => panic!("{error}"),
         };
-        seen += 1;
+        (seen, by_formulas) = (seen + 1, by_formulas + usize::from(has_formula));
         let networks = problem.networks().unwrap();
         let (network, load) = (&networks[2].network, problem.load());
         let (y, end) = active_set(network, load, None).unwrap();
         let judged = judge(network, &y, load);
-        assert!(judged.kkt.relative < 1e-11, "{laws:?} {f}: {end:?} {:?}", judged.kkt);
+        assert!(judged.kkt.relative < 1e-11, "{context}: {end:?} {:?}", judged.kkt);
         let (by_multigrid, end) =
             solve_nested_networks(networks, load, &MultigridParams::default()).unwrap();
-        assert!(apart(&y, &by_multigrid) < 1e-9, "{laws:?} {f}: {end:?}");
-        assert!(apart(&y, &by_saddle_point(network, load)) < 1e-9, "{laws:?} {f}");
+        assert!(apart(&y, &by_multigrid) < 1e-9, "{context}: {end:?}");
+        assert!(apart(&y, &by_saddle_point(network, load)) < 1e-9, "{context}");
         let (lifted, energy) = by_lift(network, load);
-        assert!(apart(&y, &lifted) < 1e-9, "{laws:?} {f}");
-        assert!((energy - judged.energy).abs() < 1e-11 * (1.0 + energy.abs()), "{laws:?} {f}");
+        assert!(apart(&y, &lifted) < 1e-9, "{context}");
+        assert!((energy - judged.energy).abs() < 1e-11 * (1.0 + energy.abs()), "{context}");
         // Brackets of all vectors and meshes contain the same number.
         let finer = Problem::on_mesh(&mesh, 4, &f).unwrap();
         let best = finer.bounds(&solution(&finer, Solver::Multigrid)).unwrap();
@@ -279,11 +308,11 @@ fn solvers_agree_on_squares_with_a_law_on_each_side() {
         for vector in [&y, &disturbed] {
             let found = problem.bounds(vector).unwrap();
             let overlap = found.energy[0] <= best.energy[1] && best.energy[0] <= found.energy[1];
-            assert!(overlap, "{laws:?} {f}: {found:?} {best:?}");
-            assert!(found.error[0] <= found.error[1], "{laws:?} {f}: {found:?}");
+            assert!(overlap, "{context}: {found:?} {best:?}");
+            assert!(found.error[0] <= found.error[1], "{context}: {found:?}");
         }
     }
-    assert!(refused > 10, "{refused}");
+    assert!(refused > 10 && by_formulas > 99, "{refused} {by_formulas}");
 }
 
 #[test]
@@ -354,7 +383,7 @@ struct Formulas {
     energy: f64,
 }
 
-fn with_formulas() -> [Formulas; 4] {
+fn with_formulas() -> [Formulas; 5] {
     let fixed = Law::FIXED;
     let above = Law::SIGNORINI;
     let membrane =
@@ -381,6 +410,13 @@ fn with_formulas() -> [Formulas; 4] {
             f: 0.0,
             values: ["left", "right", "bottom", "top"].map(|part| [part, "x^2-y^2"]).to_vec(),
             energy: 2.0 / 3.0 * (0.02 + 0.02f64.powi(3)),
+        },
+        // v = exp(x) sin(y): fluxes by formulas on two sides.
+        Formulas {
+            mesh: rectangle([1.0; 2], [2, 2], [Law::FREE, Law::FREE, fixed, fixed]),
+            f: 0.0,
+            values: vec![["left", "-sin(y)"], ["right", "e*sin(y)"], ["top", "exp(x)*sin(1)"]],
+            energy: (libm::exp(2.0) - 1.0) * (libm::sin(2.0) - 1.0) / 4.0,
         },
         // Contact where |theta| < pi / 2.
         Formulas {
@@ -422,6 +458,65 @@ fn brackets_contain_the_energies_of_values_by_formulas_and_shrink() {
         let shrinks = widths.windows(2).all(|pair| pair[1] < pair[0] / 3.0);
         assert!(shrinks, "{values:?}: {widths:?}");
     }
+}
+
+#[test]
+fn a_flux_that_no_flux_of_cells_has_is_in_the_bounds() {
+    // v = cos(2 pi y) sinh(2 pi (1 - x)) / (2 pi cosh(2 pi)): on two cells the given flux has the mean 0, and v is 0.
+    let laws = [Law::FREE, Law::FIXED, Law::FREE, Law::FREE];
+    let mut mesh = rectangle([1.0; 2], [1, 1], laws);
+    mesh.set_value("left", "cos(2*pi*y)").unwrap();
+    let problem = Problem::on_mesh(&mesh, 0, "else=0").unwrap();
+    let bounds = problem.bounds(&[0.0; 4]).unwrap();
+    let turn = 2.0 * std::f64::consts::PI;
+    let energy = -libm::tanh(turn) / (4.0 * turn);
+    let [[low, high], [_, error]] = [bounds.energy, bounds.error];
+    assert!(low <= energy && energy <= high, "{bounds:?}");
+    assert!(error * error >= -2.0 * energy, "{bounds:?}");
+}
+
+#[test]
+fn the_energy_has_the_integral_of_a_flux_times_v() {
+    let laws = [Law::FREE, Law::FIXED, Law::FREE, Law::FREE];
+    let mut mesh = rectangle([1.0; 2], [1, 1], laws);
+    mesh.set_value("left", "y^2").unwrap();
+    let problem = Problem::on_mesh(&mesh, 0, "else=0").unwrap();
+    // The integrals of y^2 times 1 - y and times y.
+    let given = 0.09 / 12.0 + 0.06 / 4.0;
+    let y = [0.09, 0.0, 0.06, 0.0];
+    let expected = problem.networks().unwrap()[0].network.energy(&y, &[0.0; 4]) - given;
+    let [_, high] = problem.bounds(&y).unwrap().energy;
+    assert!((high - expected).abs() < 1e-12, "{high} {expected}");
+    assert!((problem.judge(&y).energy - expected).abs() < 1e-14);
+    let finer = Problem::on_mesh(&mesh, 2, "else=0").unwrap();
+    let zero = vec![0.0; finer.load().len()];
+    let left = &finer.on_parts(&zero, &finer.judge(&zero))[0];
+    assert!((left.force - 1.0 / 3.0).abs() < 1e-14, "{left:?}");
+    assert_eq!(left.in_words, "dv/dn = y^2");
+}
+
+#[test]
+fn brackets_in_space_contain_the_energy_of_values_and_fluxes_by_formulas() {
+    // v = x y z, with its flux at the top.
+    let AnyMesh::Space(mut cube) = AnyMesh::built_in("cube").unwrap() else { panic!("in space") };
+    let names = ["others", "top"].into_iter().zip([Law::FIXED, Law::FREE]);
+    cube.parts = names.map(|(name, law)| Part { names: name.into(), law, curve: None }).collect();
+    for facet in &mut cube.facets {
+        let is_top = facet.nodes.iter().all(|&node| cube.points[node as usize][2] == 0.5);
+        facet.part = u16::from(is_top);
+    }
+    let mut mesh = AnyMesh::Space(cube);
+    mesh.set_value("others", "x*y*z").unwrap();
+    mesh.set_value("top", "x*y").unwrap();
+    let mut widths = Vec::new();
+    for times in [0, 1, 2] {
+        let problem = Problem::on_mesh(&mesh, times, "else=0").unwrap();
+        let [low, high] = problem.bounds(&solution(&problem, Solver::Multigrid)).unwrap().energy;
+        assert!(low <= 1.0 / 144.0 && 1.0 / 144.0 <= high, "{times}: {low} {high}");
+        widths.push(high - low);
+    }
+    let shrinks = widths.windows(2).all(|pair| pair[1] < pair[0] / 3.0);
+    assert!(shrinks, "{widths:?}");
 }
 
 #[test]

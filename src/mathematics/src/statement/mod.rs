@@ -160,11 +160,19 @@ impl Statement {
             return Ok(None);
         }
         let mut mesh = self.domain.mesh(file, self.fineness.coarsest(&self.domain)?)?;
-        for part in self.boundary.names() {
-            let set = mesh.set_law(&as_in_mesh(&mesh, part), self.boundary.law(part)?);
+        let names: Vec<_> = self.boundary.names().collect();
+        let named: Vec<_> = names.iter().map(|part| as_in_mesh(&mesh, part)).collect();
+        for (part, name) in names.into_iter().zip(&named) {
+            let set = mesh.set_law(name, self.boundary.law(part)?);
+            let set = set.and_then(|()| match self.boundary.formula(part) {
+                Some(formula) => mesh.set_value(name, &formula.to_string()),
+                None => Ok(()),
+            });
             set.map_err(|e| self.in_law(part, e))?;
         }
-        Ok(Some(mesh.with_law(self.law()?)))
+        let others = mesh.set_others(&named, self.law()?, self.boundary.formula(""));
+        others.map_err(|e| self.in_law("", e))?;
+        Ok(Some(mesh))
     }
 
     /// Error in what is said of the law on a part.

@@ -40,16 +40,15 @@ impl<const D: usize, const V: usize> Cells<'_, D, V> {
 
     /// Values of laws at the ends of a facet of the boundary of a domain in the plane, in the order of a cell.
     pub(super) fn values(&self, sides: &Sides<V>, facet: usize) -> [f64; 2] {
-        let (part, at) = (self.mesh.facets()[facet].part, &sides.of_facets()[facet]);
+        let (facet, at) = (&self.mesh.facets()[facet], &sides.of_facets()[facet]);
         let (nodes, k) = (&self.mesh.cells()[at.cell as usize], sides.slot(at.cell, at.side));
-        [1, 2].map(|step| self.mesh.law_at(part, nodes[(k + step) % V]).at())
+        [1, 2].map(|step| self.mesh.law_at(facet, nodes[(k + step) % V]).at())
     }
 
     /// Facets whose laws have values that are not 0.
     pub(super) fn facets_with_values(&self) -> impl Iterator<Item = usize> {
-        let parts = self.mesh.parts().iter().zip(0..);
-        let of_parts = parts.map(|(part, k)| part.law.at() != 0.0 || self.mesh.value(k).is_some());
-        let of_parts: Vec<bool> = of_parts.collect();
+        let parts = self.mesh.parts().iter();
+        let of_parts: Vec<bool> = parts.map(|part| part.law.at() != 0.0).collect();
         let facets = self.mesh.facets().iter().enumerate();
         facets.filter(move |(_, facet)| of_parts[usize::from(facet.part)]).map(|(k, _)| k)
     }

@@ -173,7 +173,7 @@ impl PatchRoom {
                 open.clear();
                 for &facet in &plan.facets[lane * outlets..][..outlets] {
                     let facet = &mesh.facets()[facet as usize];
-                    let law = mesh.law_at(facet.part, node);
+                    let law = mesh.law_at(facet, node);
                     let measure = measure(mesh.corners(facet));
                     open.push(OpenFacet { law, measure, outflow: 0.0 });
                 }

@@ -11,7 +11,7 @@
 
 use super::cells::{Cells, at_nodes, gradient};
 use super::linear::{at_vertices, outflows};
-use crate::discrete::quadrature::{QuadraturePoint, quadrature};
+use crate::discrete::quadrature::{QuadraturePoint, facet_points};
 use crate::mesh::{BoundarySide, Element, Facet, Sides, dot, sorted};
 use crate::problem::formula::Formula;
 
@@ -30,34 +30,8 @@ pub(super) struct Excess {
     pub of_value: f64,
 }
 
-/// Points of Gauss on an edge, five of them, exact for polynomials of degree nine: places and weights.
-const GAUSS: [[f64; 2]; 5] = [
-    [0.046_910_077_030_668, 0.118_463_442_528_094_54],
-    [0.230_765_344_947_158_45, 0.239_314_335_249_683_23],
-    [0.5, 0.284_444_444_444_444_44],
-    [0.769_234_655_052_841_5, 0.239_314_335_249_683_23],
-    [0.953_089_922_969_332, 0.118_463_442_528_094_54],
-];
-/// Pieces of an edge with points of their own: where a value is a root, its derivative is large beside an end.
-const PIECES: u32 = 4;
 /// Half the difference of two points for a derivative along a facet, over the distance of a vertex.
 const STEP: f64 = 1e-5;
-
-/// Points on a facet, by their barycentric coordinates.
-fn points<const D: usize>() -> Vec<QuadraturePoint<D>> {
-    if D != 2 {
-        return quadrature();
-    }
-    let mut points = Vec::new();
-    for piece in 0..PIECES {
-        for [place, weight] in GAUSS {
-            let place = (f64::from(piece) + place) / f64::from(PIECES);
-            let barycentric = std::array::from_fn(|k| if k == 0 { 1.0 - place } else { place });
-            points.push(QuadraturePoint { barycentric, weight: weight / f64::from(PIECES) });
-        }
-    }
-    points
-}
 
 /// Facet of the boundary with its cell and the formula of its value.
 struct FormulaFacet<'a, const D: usize> {
@@ -106,7 +80,7 @@ pub(super) fn excess<const D: usize, const V: usize, const N: usize>(
     let slope = gradient(&element, at_nodes(nodes, w));
     let d = D as f64;
     let mut found = Excess::default();
-    for point in points::<D>() {
+    for point in facet_points::<D>() {
         let QuadraturePoint { barycentric, weight } = point;
         let [linear, e] = of_facet.at(&point);
         let (mut of_e, mut apart) = ([0.0; D], slope);

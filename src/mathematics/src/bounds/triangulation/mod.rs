@@ -44,6 +44,11 @@
 //! quadrature in the cells of such facets, and the error of w is larger by `|grad E|` at most. A lower bound of the
 //! error there is none. Circulations of the flux look for the least `1/2 |sigma|^2 - <sigma.n at>`.
 //!
+//! # Fluxes by formulas
+//! sigma.n is the mean of a given flux on a facet; the norms of sigma and of `grad w - sigma` on its cell grow by that of
+//! the field that is missing (`given.rs`). J(w) has the flux times w by quadrature. A lower bound of the error there is
+//! none.
+//!
 //! # An f that is not constant on cells
 //! On each cell T there is a field without flux through the sides whose divergence is the mean of f less f, and whose
 //! norm is at most `h / pi` times the L2 norm of the deviation of f from the mean, h the diameter (Payne and
@@ -60,6 +65,7 @@ mod curve;
 mod excess;
 mod fan;
 mod forest;
+mod given;
 mod limits;
 mod linear;
 mod lower;
@@ -195,9 +201,9 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
                 moved += element.volume * dot(gradient, gradient);
             }
         }
-        // Where values of laws are formulas w is not in K, and there is no bound.
-        let is_in_k = self.mesh.values.is_empty();
-        let lower = if is_in_k { lower(self, &w) } else { 0.0 };
+        // Where values of laws are formulas w is not in K, and where fluxes are, their bubbles are not known.
+        let is_known = self.mesh.values.is_empty();
+        let lower = if is_known { lower(self, &w) } else { 0.0 };
         bounds.error[0] = (lower - moved.sqrt() * (1.0 + 1e-9)).max(0.0);
         bounds
     }

@@ -178,7 +178,7 @@ impl<'a, const D: usize, const V: usize> Ring<'a, D, V> {
         let mesh = self.cells.mesh;
         let mut facets = ends.map(|facet| {
             let facet: &Facet<D> = &mesh.facets()[facet as usize];
-            let law = mesh.law_at(facet.part, self.node);
+            let law = mesh.law_at(facet, self.node);
             OpenFacet { law, measure: measure(mesh.corners(facet)), outflow: 0.0 }
         });
         let (w, stiffness) = (self.cells.w[self.node as usize], self.stiffness);

@@ -2,11 +2,12 @@
 
 use super::cells::{Cells, at_nodes, gradient, interval};
 use super::excess::excess;
+use super::given::missing;
 use super::linear::{at_vertices, largest_square, outflows, product};
 use crate::bounds::boundary::{Slips, mean_product};
 use crate::machine::threads::in_tasks;
 use crate::mesh::{
-    BoundarySide, Element, Facet, Mesh, MeshLoad, Sides, difference, dot, size, sorted,
+    BoundarySide, Element, Facet, Mesh, MeshLoad, Sides, difference, dot, measure, size, sorted,
 };
 use crate::problem::law::Law;
 use rayon::prelude::*;
@@ -114,11 +115,12 @@ impl<const D: usize, const V: usize, const N: usize> Summands<'_, D, V, N> {
     /// the work on the facets in contact.
     pub(super) fn totals(&self) -> (Totals, Vec<f64>) {
         let mut squares = vec![0.0; self.mesh.cells().len()];
+        let missing = missing(self.mesh, self.sides);
         let runs = in_tasks(squares.par_chunks_mut(RUN).enumerate(), COST * RUN);
         let of_runs = runs.map(|(run, squares)| {
             let mut totals = Totals::default();
             for (cell, square) in (RUN * run..).zip(squares) {
-                let of_cell = self.of_cell(cell);
+                let of_cell = self.of_cell(cell, missing.get(&(cell as u32)));
                 *square = of_cell.distance;
                 totals = totals.add(of_cell);
             }
@@ -130,7 +132,7 @@ impl<const D: usize, const V: usize, const N: usize> Summands<'_, D, V, N> {
             squares[cell as usize] += 2.0 * totals.work;
             of_facets.push(totals);
         }
-        of_facets.extend(self.excess(&mut squares));
+        of_facets.extend(self.excess(&missing, &mut squares));
         (halved_sum(&of_runs).add(halved_sum(&of_facets)), squares)
     }
 
@@ -148,13 +150,13 @@ impl<const D: usize, const V: usize, const N: usize> Summands<'_, D, V, N> {
     fn values(&self) -> impl Iterator<Item = f64> {
         let of_formulas =
             self.mesh.facets().iter().filter(|facet| self.mesh.value(facet.part).is_some());
-        let of_formulas = of_formulas.flat_map(|facet| facet.nodes.map(|node| (facet.part, node)));
-        let of_formulas = of_formulas.map(|(part, node)| self.mesh.law_at(part, node).at().abs());
+        let of_formulas = of_formulas.flat_map(|facet| facet.nodes.map(|node| (facet, node)));
+        let of_formulas = of_formulas.map(|(facet, node)| self.mesh.law_at(facet, node).at().abs());
         self.mesh.parts().iter().map(|part| part.law.at().abs()).chain(of_formulas)
     }
 
     /// Terms that the functions E of `excess.rs` add, also to the squares of the errors in the cells.
-    fn excess(&self, squares: &mut [f64]) -> Vec<Totals> {
+    fn excess(&self, missing: &BTreeMap<u32, f64>, squares: &mut [f64]) -> Vec<Totals> {
         let mut of_cells: BTreeMap<u32, f64> = BTreeMap::new();
         let mut terms = Vec::new();
         if self.mesh.values.is_empty() {
@@ -171,14 +173,15 @@ impl<const D: usize, const V: usize, const N: usize> Summands<'_, D, V, N> {
             let vertices = self.mesh.vertices(&self.mesh.cells()[cell]);
             let deviation = self.f.cells.deviation.as_ref().map_or(0.0, |all| all[cell]);
             let field = if deviation == 0.0 { 0.0 } else { deviation * size(vertices) / PI };
+            let is_exact = field == 0.0 && !missing.contains_key(&at.cell);
             // Two facets of a cell: the product of their functions is at most that of the norms.
             let norm = found.square.sqrt();
             let before = of_cells.entry(at.cell).or_default();
             let square = found.square + 2.0 * norm * *before;
             *before += norm;
-            let distance = match field {
-                0.0 => 2.0 * found.with_distance + square,
-                _ => 2.0 * norm * squares[cell].max(0.0).sqrt() + square,
+            let distance = match is_exact {
+                true => 2.0 * found.with_distance + square,
+                false => 2.0 * norm * squares[cell].max(0.0).sqrt() + square,
             };
             squares[cell] += distance;
             terms.push(Totals {
@@ -200,7 +203,7 @@ impl<const D: usize, const V: usize, const N: usize> Summands<'_, D, V, N> {
     pub(super) fn exact_load(&self) -> Option<f64> {
         let is_exact = self.f.cells.deviation.is_some() && self.f.unsettled.is_none();
         // The integral of f times E is known by the means alone.
-        let is_exact = is_exact && self.mesh.values.is_empty();
+        let is_exact = is_exact && !self.mesh.has_values_by_formulas();
         is_exact.then(|| halved_product(&self.f.load, self.w))
     }
 
@@ -224,7 +227,7 @@ impl<const D: usize, const V: usize, const N: usize> Summands<'_, D, V, N> {
         facets.filter(|(facet, _)| self.mesh.law(facet).may_move())
     }
 
-    fn of_cell(&self, cell: usize) -> Totals {
+    fn of_cell(&self, cell: usize, missing: Option<&f64>) -> Totals {
         let nodes = &self.mesh.cells()[cell];
         let vertices = self.mesh.vertices(nodes);
         let element = Element::new(vertices);
@@ -241,6 +244,7 @@ impl<const D: usize, const V: usize, const N: usize> Summands<'_, D, V, N> {
         let deviation = self.f.cells.deviation.as_ref().map_or(0.0, |all| all[cell]);
         // Poincaré's constant on a convex cell is the diameter over pi.
         let field = if deviation == 0.0 { 0.0 } else { deviation * size(vertices) / PI };
+        let longer = field + missing.copied().unwrap_or_default();
         let gradient_square = volume * dot(slope, slope);
         let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
         // The square of a sum is at most the sum of the squares times their number.
@@ -248,8 +252,8 @@ impl<const D: usize, const V: usize, const N: usize> Summands<'_, D, V, N> {
             element.gradients.iter().zip(w).map(|(g, v)| dot(*g, *g) * (v - w[0]) * (v - w[0]));
         let steepest = V as f64 * slopes.sum::<f64>();
         Totals {
-            distance: longer_square(product(volume, &difference, &difference), field),
-            flux: longer_square(product(volume, &sigma, &sigma), field),
+            distance: longer_square(product(volume, &difference, &difference), longer),
+            flux: longer_square(product(volume, &sigma, &sigma), longer),
             gradient: gradient_square,
             load: mean * volume * (w.iter().sum::<f64>() / V as f64),
             deviation: if field == 0.0 { 0.0 } else { field * gradient_square.sqrt() },
@@ -257,7 +261,7 @@ impl<const D: usize, const V: usize, const N: usize> Summands<'_, D, V, N> {
             mass: mean.abs() * volume,
             magnitude: volume * (steepest + mean.abs() * highest)
                 + deviation * volume.sqrt() * highest
-                + longer_square(largest_square(&vertices, volume, &outflows), field),
+                + longer_square(largest_square(&vertices, volume, &outflows), longer),
             flow: outflows.as_flattened().iter().map(|q| q.abs()).sum::<f64>() / D as f64,
             ..Totals::default()
         }
@@ -283,15 +287,24 @@ impl<const D: usize, const V: usize, const N: usize> Summands<'_, D, V, N> {
             if [Law::FREE, Law::FIXED].contains(&law) {
                 continue;
             }
-            let (at, interval) = (law.at(), interval(self.mesh, facet));
-            let is_formula = self.mesh.value(facet.part).is_some();
-            let w = sorted(facet.nodes).map(|node| match is_formula {
-                true => self.w[node as usize] - self.mesh.law_at(facet.part, node).at(),
-                false => self.w[node as usize] - at,
-            });
+            let interval = interval(self.mesh, facet);
+            let nodes = sorted(facet.nodes);
+            let at = nodes.map(|node| self.mesh.law_at(facet, node).at());
+            let w = difference(nodes.map(|node| self.w[node as usize]), at);
+            let farthest = at.iter().fold(0.0f64, |farthest, at| farthest.max(at.abs()));
             let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
             let flux = std::array::from_fn(|k| self.flux[side as usize][k.min(N - 1)]);
+            let is_formula = self.mesh.value(facet.part).is_some();
             let totals = match law.is_free() {
+                true if is_formula => {
+                    let measure = measure(self.mesh.corners(facet)) / D as f64;
+                    let shares = nodes.map(|node| measure * self.mesh.law_at(facet, node).lo());
+                    Totals {
+                        given: shares.iter().zip(w).map(|(share, w)| share * w).sum(),
+                        magnitude: shares.iter().map(|share| share.abs()).sum::<f64>() * highest,
+                        ..Totals::default()
+                    }
+                }
                 true => Totals {
                     given: mean_product(w, flux),
                     magnitude: interval.least.abs() * highest,
@@ -301,12 +314,13 @@ impl<const D: usize, const V: usize, const N: usize> Summands<'_, D, V, N> {
                     work: interval.work_of_facet(w, flux),
                     through: mean_product(w, flux),
                     potential: interval.potential(w, 0.0),
+                    // The functions E have the integral for a formula.
                     of_values: match is_formula {
                         true => 0.0,
-                        false => at * (flux.iter().sum::<f64>() / D as f64),
+                        false => law.at() * (flux.iter().sum::<f64>() / D as f64),
                     },
                     boundary_magnitude: 2.0 * interval.ends_in_use(&w) * highest,
-                    magnitude: at.abs() * flux.iter().map(|flux| flux.abs()).sum::<f64>(),
+                    magnitude: farthest * flux.iter().map(|flux| flux.abs()).sum::<f64>(),
                     ..Totals::default()
                 },
             };

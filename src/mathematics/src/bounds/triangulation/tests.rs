@@ -1,6 +1,7 @@
 //! Brackets that must hold the true energy, and the distance between the bounds and the error.
 
 mod cube;
+mod formulas;
 mod known;
 mod random;
 mod rounding;

@@ -16,7 +16,7 @@ use crate::levels::{
 use crate::machine::threads::{among_threads, join, map};
 use crate::mesh::{
     Bisected, CellsBefore, MeshLoad, NestedMeshes, PlaneMesh, Sides, assemble_sides, bisect,
-    check_meetings, label_longest_edges, mesh_load, mesh_load_after,
+    check_meetings, check_values, label_longest_edges, mesh_load, mesh_load_after,
 };
 use crate::multigrid::active_set::active_set;
 use crate::multigrid::{Goal, InputError, MultigridParams};
@@ -249,6 +249,7 @@ impl<'a> Meshes<'a> {
     /// Adds meshes, each made from the one before; false if there are none.
     pub(super) fn add(&mut self, bisected: Vec<Bisected>) -> Result<bool, ProblemError> {
         (self.ended)(Step::Mesh);
+        bisected.iter().try_for_each(|made| check_values(&made.mesh))?;
         let Some(Bisected { mesh, origins, .. }) = bisected.last() else { return Ok(false) };
         let mut origins = Cow::Borrowed(&origins[..]);
         for before in bisected.iter().rev().skip(1) {
