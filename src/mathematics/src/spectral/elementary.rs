@@ -29,7 +29,7 @@ fn polynomial<const TERMS: usize>(coefficients: &[f64; TERMS], x: f64) -> f64 {
 
 /// Sine and cosine of `pi t`.
 #[inline(always)]
-pub(in crate::spectral) fn sincos_pi(t: f64) -> [f64; 2] {
+pub(crate) fn sincos_pi(t: f64) -> [f64; 2] {
     const SINE: [f64; 9] = inverse_factorials(1.0);
     const COSINE: [f64; 9] = inverse_factorials(-1.0);
     let quarters = (2.0 * t + 0.5).floor();
@@ -56,7 +56,7 @@ const WHOLE: f64 = (1_u64 << 52) as f64;
 
 /// The natural logarithm of a normal number; finite at zero.
 #[inline(always)]
-pub(in crate::spectral) fn ln(x: f64) -> f64 {
+pub(crate) fn ln(x: f64) -> f64 {
     // Of (log((1 + s) / (1 - s)) - 2 s) / s^3, as in fdlibm.
     const SERIES: [f64; 7] = [
         0.666_666_666_666_673_5,
@@ -81,7 +81,7 @@ pub(in crate::spectral) fn ln(x: f64) -> f64 {
 
 /// The exponential of a number between -700 and 700.
 #[inline(always)]
-pub(in crate::spectral) fn exp(x: f64) -> f64 {
+pub(crate) fn exp(x: f64) -> f64 {
     /// One over factorials.
     const SERIES: [f64; 14] = {
         let (mut series, mut k) = ([1.0; 14], 1);
@@ -102,7 +102,7 @@ pub(in crate::spectral) fn exp(x: f64) -> f64 {
 
 /// Angle of the vector `(x, y)`, 0 if the vector is zero.
 #[inline(always)]
-pub(in crate::spectral) fn atan2(y: f64, x: f64) -> f64 {
+pub(crate) fn atan2(y: f64, x: f64) -> f64 {
     // Of (t - atan(t)) / t^3 for |t| < 7 / 16, as in fdlibm.
     const SERIES: [f64; 11] = [
         0.333_333_333_333_329_3,

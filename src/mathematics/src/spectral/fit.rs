@@ -21,7 +21,7 @@ use std::f64::consts::TAU;
 
 /// A contact set with the functions fitted to it.
 #[cfg_attr(test, derive(Clone))]
-pub(in crate::spectral) struct Fit {
+pub(crate) struct Fit {
     pub walk: Walk,
     pub functions: Functions,
     /// Coefficients of the complex functions.
@@ -34,7 +34,7 @@ pub(in crate::spectral) struct Fit {
 
 /// Right-hand sides at spots in walking order: the value of the law less psi where v has it, and the integral of the
 /// flux elsewhere.
-pub(in crate::spectral) fn conditions(setup: &Setup, walk: &Walk, spots: &[Spot]) -> Vec<f64> {
+pub(crate) fn conditions(setup: &Setup, walk: &Walk, spots: &[Spot]) -> Vec<f64> {
     let rule = gauss(5);
     let mut points = Vec::new();
     // Spots between neighbours of a run.
@@ -111,11 +111,7 @@ fn add_between(
 }
 
 /// Spots of panels with a rule.
-pub(in crate::spectral) fn spots_on(
-    walk: &Walk,
-    panels: &[PlanePanel],
-    rule: &[GaussNode],
-) -> Vec<Spot> {
+pub(crate) fn spots_on(walk: &Walk, panels: &[PlanePanel], rule: &[GaussNode]) -> Vec<Spot> {
     let mut spots = Vec::with_capacity(panels.len() * rule.len());
     for &panel in panels {
         walk.spots(panel, rule, &mut spots);
@@ -124,7 +120,7 @@ pub(in crate::spectral) fn spots_on(
 }
 
 /// Continues the imaginary parts of the logarithms of holes along each run.
-pub(in crate::spectral) fn continue_logs(walk: &Walk, spots: &[Spot], logs: &mut [Complex]) {
+pub(crate) fn continue_logs(walk: &Walk, spots: &[Spot], logs: &mut [Complex]) {
     for k in 1..spots.len() {
         let [before, after] = [k - 1, k].map(|k| walk.intervals[spots[k].interval].run);
         if before == after && after != usize::MAX {
@@ -136,7 +132,7 @@ pub(in crate::spectral) fn continue_logs(walk: &Walk, spots: &[Spot], logs: &mut
 
 /// Fits of searches so far.
 #[derive(Default)]
-pub(in crate::spectral) struct Effort {
+pub(crate) struct Effort {
     /// Number of fits, which are steps of Newton's method.
     pub steps: usize,
     /// Number of operations of their least squares, `2 M N^2` each with M rows and N unknowns.
@@ -147,7 +143,7 @@ pub(in crate::spectral) struct Effort {
 
 impl Effort {
     /// Adds a fit.
-    pub(in crate::spectral) fn add(&mut self, fit: &Fit) {
+    pub(crate) fn add(&mut self, fit: &Fit) {
         self.steps += 1;
         let own = 2.0 * fit.rows as f64 * (fit.unknowns as f64).powi(2);
         if self.steps == 1 {
@@ -158,7 +154,7 @@ impl Effort {
 
     /// True if a search is to be given up, in about the time of ten solutions: one takes three fits on a fine level,
     /// each as much as eight on the coarse one.
-    pub(in crate::spectral) fn is_spent(&self) -> bool {
+    pub(crate) fn is_spent(&self) -> bool {
         /// Most operations, a quarter of a minute's at most, and over those of the first fit.
         const MOST: [f64; 2] = [4e11, 400.0];
         self.operations > MOST[0].min(MOST[1] * self.first)
@@ -169,7 +165,7 @@ impl Effort {
 const ROWS: f64 = 2.5;
 
 impl Fit {
-    pub(in crate::spectral) fn new(setup: &Setup, contact: &[RingContact], level: &Level) -> Self {
+    pub(crate) fn new(setup: &Setup, contact: &[RingContact], level: &Level) -> Self {
         let mut walk = Walk::new(&setup.domain.rings, contact, &setup.jumps.crossings);
         setup.set_f(&mut walk);
         let mut functions = Functions::chosen(setup, &walk, level);
@@ -199,7 +195,7 @@ impl Fit {
     }
 
     /// Families with the coefficients of their functions, cut by cut.
-    pub(in crate::spectral) fn families(&self) -> impl Iterator<Item = (&Family, &[Complex])> {
+    pub(crate) fn families(&self) -> impl Iterator<Item = (&Family, &[Complex])> {
         let mut rest = &self.coefficients[..];
         self.functions.families.iter().map(move |family| {
             let (own, others) = rest.split_at(family.many());
@@ -209,19 +205,19 @@ impl Fit {
     }
 
     /// Coefficients of all functions.
-    pub(in crate::spectral) fn all_coefficients(&self) -> Vec<Complex> {
+    pub(crate) fn all_coefficients(&self) -> Vec<Complex> {
         let logs = self.logs.iter().map(|&c| Complex::new(c, 0.0));
         self.coefficients.iter().copied().chain(logs).collect()
     }
 
     /// g and, if wanted, its derivative at spots, with the principal logarithms of holes.
-    pub(in crate::spectral) fn at(&self, spots: &[Spot], slopes: bool) -> [Vec<Complex>; 2] {
+    pub(crate) fn at(&self, spots: &[Spot], slopes: bool) -> [Vec<Complex>; 2] {
         self.functions.sums(&self.all_coefficients(), spots, slopes)
     }
 }
 
 /// Panels for functions, `fineness` times shorter than needed for the fit, but no shorter than a part of an interval.
-pub(in crate::spectral) fn panels(
+pub(crate) fn panels(
     setup: &Setup,
     walk: &Walk,
     functions: &Functions,

@@ -18,24 +18,24 @@ use std::f64::consts::PI;
 
 /// u^power, or u^power log u.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::spectral) struct Power {
+pub(crate) struct Power {
     pub power: f64,
     pub log: bool,
 }
 
 impl Power {
-    pub(in crate::spectral) const fn plain(power: f64) -> Self {
+    pub(crate) const fn plain(power: f64) -> Self {
         Self { power, log: false }
     }
 
-    pub(in crate::spectral) const fn with_log(power: f64) -> Self {
+    pub(crate) const fn with_log(power: f64) -> Self {
         Self { power, log: true }
     }
 }
 
 /// Functions of `u = w / (w + d)` with `w = (z - point) / inwards`: cut from the point outwards, of length d.
 #[derive(Clone, Debug)]
-pub(in crate::spectral) struct Family {
+pub(crate) struct Family {
     pub point: Complex,
     /// Number of the split that the point is.
     pub split: Option<usize>,
@@ -47,7 +47,7 @@ pub(in crate::spectral) struct Family {
 
 /// Functions of a hole: the logarithm with a real coefficient, and negative powers of `(z - middle) / radius`.
 #[derive(Clone, Debug)]
-pub(in crate::spectral) struct Hole {
+pub(crate) struct Hole {
     pub middle: Complex,
     pub radius: f64,
     pub powers: usize,
@@ -55,7 +55,7 @@ pub(in crate::spectral) struct Hole {
 
 /// All functions, in the order families, powers of holes, polynomials, logarithms of holes.
 #[derive(Clone, Debug, Default)]
-pub(in crate::spectral) struct Functions {
+pub(crate) struct Functions {
     pub families: Vec<Family>,
     pub holes: Vec<Hole>,
     /// Arnoldi's matrix, column by column, each with one entry more than the last.
@@ -64,7 +64,7 @@ pub(in crate::spectral) struct Functions {
 
 /// Values of functions at up to [`TOGETHER`] points, function by function.
 #[derive(Default)]
-pub(in crate::spectral) struct Values {
+pub(crate) struct Values {
     pub all: Vec<ComplexLanes>,
     /// Derivatives, if wanted.
     pub slopes: Vec<ComplexLanes>,
@@ -72,13 +72,13 @@ pub(in crate::spectral) struct Values {
 }
 
 impl Values {
-    pub(in crate::spectral) fn with_slopes() -> Self {
+    pub(crate) fn with_slopes() -> Self {
         Self { wants_slopes: true, ..Self::default() }
     }
 }
 
 /// Sum of functions at a spot.
-pub(in crate::spectral) struct SpotSum {
+pub(crate) struct SpotSum {
     pub value: Complex,
     /// Derivative.
     pub slope: Complex,
@@ -114,7 +114,7 @@ impl SpotLanes {
 
 impl Functions {
     /// Number of complex functions but logarithms of holes.
-    pub(in crate::spectral) fn complex(&self) -> usize {
+    pub(crate) fn complex(&self) -> usize {
         self.own() + self.arnoldi.len() + 1
     }
 
@@ -125,12 +125,12 @@ impl Functions {
     }
 
     /// Real unknowns: the imaginary part of the constant is none, nor that of a coefficient of a logarithm of a hole.
-    pub(in crate::spectral) fn unknowns(&self) -> usize {
+    pub(crate) fn unknowns(&self) -> usize {
         2 * self.complex() - 1 + self.holes.len()
     }
 
     /// Finds polynomials that are orthogonal on the spots, up to a degree.
-    pub(in crate::spectral) fn orthogonalise(&mut self, spots: &[Spot], degree: usize) {
+    pub(crate) fn orthogonalise(&mut self, spots: &[Spot], degree: usize) {
         let z: Vec<ComplexLanes> =
             spots.chunks(TOGETHER).map(|spots| SpotLanes::new(spots).z).collect();
         let mut one = vec![ComplexLanes::filled(Complex::new(1.0, 0.0)); z.len()];
@@ -153,7 +153,7 @@ impl Functions {
     }
 
     /// Finds values of all functions at up to [`TOGETHER`] spots.
-    pub(in crate::spectral) fn at(&self, spots: &[Spot], values: &mut Values) {
+    pub(crate) fn at(&self, spots: &[Spot], values: &mut Values) {
         let places = SpotLanes::new(spots);
         let total = self.complex() + self.holes.len();
         values.all.clear();
@@ -199,7 +199,7 @@ impl Functions {
     }
 
     /// Sums of the functions times coefficients at spots, and of their derivatives if wanted.
-    pub(in crate::spectral) fn sums(
+    pub(crate) fn sums(
         &self,
         coefficients: &[Complex],
         spots: &[Spot],
@@ -218,11 +218,7 @@ impl Functions {
     }
 
     /// Sums of the functions and of their derivatives times coefficients at spots, with bounds of rounding errors.
-    pub(in crate::spectral) fn bounded_sums(
-        &self,
-        coefficients: &[Complex],
-        spots: &[Spot],
-    ) -> Vec<SpotSum> {
+    pub(crate) fn bounded_sums(&self, coefficients: &[Complex], spots: &[Spot]) -> Vec<SpotSum> {
         let (units, mut values) = (self.units(), Values::with_slopes());
         let mut sums = Vec::with_capacity(spots.len());
         for block in spots.chunks(TOGETHER) {
@@ -306,7 +302,7 @@ fn recur(column: &[Complex], known: &[ComplexLanes], next: &mut ComplexLanes) {
 
 impl Family {
     /// Number of its functions.
-    pub(in crate::spectral) fn many(&self) -> usize {
+    pub(crate) fn many(&self) -> usize {
         self.lengths.len() * self.powers.len()
     }
 

@@ -27,7 +27,7 @@ impl PlaneProblem {
     /// # Errors
     /// [`PlaneError`] if the boundary is neither straight nor on the circles of its parts, two of these meet with
     /// different values, one has values by a formula, or f is of a kind that is not served.
-    pub(in crate::spectral) fn on_mesh(mesh: &PlaneMesh, f: &[Source]) -> Result<Self, PlaneError> {
+    pub(crate) fn on_mesh(mesh: &PlaneMesh, f: &[Source]) -> Result<Self, PlaneError> {
         if let Some(facet) = mesh.facets().iter().find(|facet| mesh.value(facet.part).is_some()) {
             let part = &mesh.parts()[usize::from(facet.part)].names;
             return Err(PlaneError::Domain(format!(

@@ -10,7 +10,7 @@ use crate::spectral::problem::PlaneProblem;
 use crate::spectral::source::jumps::PlaneJumps;
 
 /// Data of a problem.
-pub(in crate::spectral) struct Setup {
+pub(crate) struct Setup {
     pub domain: PlaneDomain,
     pub jumps: PlaneJumps,
     pub images: Vec<Image>,
@@ -24,7 +24,7 @@ pub(in crate::spectral) struct Setup {
 
 /// Resolution.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct Level {
+pub(crate) struct Level {
     /// Ratio of the lengths of cuts.
     pub ratio: f64,
     /// Least number of cuts where powers are fractions, and number of cuts elsewhere.
@@ -51,7 +51,7 @@ pub(in crate::spectral) struct Level {
 
 impl Level {
     /// Level on which Newton's method begins.
-    pub(in crate::spectral) const COARSE: Self = Self {
+    pub(crate) const COARSE: Self = Self {
         ratio: 6.0,
         strong: 4,
         weak: 2,
@@ -81,7 +81,7 @@ impl Level {
         enough: 1e-12,
     };
     /// All of them, in turn.
-    pub(in crate::spectral) const FINE: [Self; 3] = [
+    pub(crate) const FINE: [Self; 3] = [
         Self::FIRST,
         Self {
             ratio: 2.2,
@@ -109,7 +109,7 @@ impl Level {
 }
 
 impl Setup {
-    pub(in crate::spectral) fn new(problem: &PlaneProblem) -> Result<Self, PlaneError> {
+    pub(crate) fn new(problem: &PlaneProblem) -> Result<Self, PlaneError> {
         let PlaneProblem { domain, source } = problem;
         let jumps = PlaneJumps::new(domain, source)?;
         let diameter = domain.diameter();
@@ -125,7 +125,7 @@ impl Setup {
     }
 
     /// Sets f beside the intervals of a walk: on each loop from f beside the interval that is farthest from jumps.
-    pub(in crate::spectral) fn set_f(&self, walk: &mut Walk) {
+    pub(crate) fn set_f(&self, walk: &mut Walk) {
         for ring in 0..self.domain.rings.len() {
             let mut farthest = (-1.0, 0, Complex::default());
             for (k, own) in walk.intervals.iter().enumerate().filter(|(_, own)| own.ring == ring) {

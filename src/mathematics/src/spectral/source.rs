@@ -62,19 +62,19 @@ pub(crate) struct RegionBorder {
 
 impl RegionBorder {
     /// True if it lies inside of the domain.
-    pub(in crate::spectral) fn is_inside(&self) -> bool {
+    pub(crate) fn is_inside(&self) -> bool {
         self.regions.iter().all(Option::is_some)
     }
 }
 
 impl Regions {
     /// The same pieces on all of a domain.
-    pub(in crate::spectral) fn all(f: Source) -> Self {
+    pub(crate) fn all(f: Source) -> Self {
         Self { borders: Vec::new(), pieces: vec![f] }
     }
 
     /// f at a point of the domain.
-    pub(in crate::spectral) fn at(&self, z: Complex) -> f64 {
+    pub(crate) fn at(&self, z: Complex) -> f64 {
         self.pieces[self.region(z)].at(z.coordinates())
     }
 
@@ -102,7 +102,7 @@ impl Regions {
 ///
 /// # Errors
 /// [`PlaneError::Domain`] if a border bends by too little for a corner.
-pub(in crate::spectral) fn regions(
+pub(crate) fn regions(
     mesh: &PlaneMesh,
     pieces: Vec<Source>,
     frame: Frame,

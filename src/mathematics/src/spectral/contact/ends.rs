@@ -27,7 +27,7 @@ use std::f64::consts::PI;
 
 /// `v - at = K r^(1/2) + K1 r^(3/2)` at a distance r from an end, on the side that does not stick.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct EndExpansion {
+pub(crate) struct EndExpansion {
     /// Number of the split that the end is.
     pub split: usize,
     /// Arc of the contact set, and 0 for its beginning or 1 for its end.
@@ -41,7 +41,7 @@ pub(in crate::spectral) struct EndExpansion {
 
 impl EndExpansion {
     /// Step of Newton's method towards the free side.
-    pub(in crate::spectral) fn step(&self) -> f64 {
+    pub(crate) fn step(&self) -> f64 {
         let [k, k1] = self.coefficients;
         -k / (1.5 * k1)
     }
@@ -49,7 +49,7 @@ impl EndExpansion {
 
 impl Fit {
     /// Expansions at all ends that may move.
-    pub(in crate::spectral) fn ends(&self) -> Vec<EndExpansion> {
+    pub(crate) fn ends(&self) -> Vec<EndExpansion> {
         let mut ends = Vec::new();
         for (family, own) in self.families() {
             let Some(split) = family.split else { continue };
@@ -80,7 +80,7 @@ impl Fit {
 
 impl PlaneFound {
     /// Errors of the ends of the arcs of each loop, as distances along the boundary; zero of those that cannot move.
-    pub(in crate::spectral) fn end_errors(&self, setup: &Setup) -> Vec<Vec<[f64; 2]>> {
+    pub(crate) fn end_errors(&self, setup: &Setup) -> Vec<Vec<[f64; 2]>> {
         let mut errors: Vec<Vec<[f64; 2]>> =
             self.contact.iter().map(|own| vec![[0.0; 2]; own.arcs.len()]).collect();
         for end in self.fit.ends() {
@@ -163,7 +163,7 @@ impl PlaneFound {
 
 /// Arcs that stick, each with its parts where v may slip: one that goes on over fixed and free sides ends at their
 /// corner. All is in the plane.
-pub(in crate::spectral) fn arcs(setup: &Setup, found: &PlaneFound) -> Vec<ContactArc> {
+pub(crate) fn arcs(setup: &Setup, found: &PlaneFound) -> Vec<ContactArc> {
     let (frame, mut arcs) = (setup.domain.frame, Vec::new());
     let loops = setup.domain.rings.iter().zip(&found.contact).zip(found.end_errors(setup));
     for (number, ((ring, own), errors)) in loops.enumerate() {

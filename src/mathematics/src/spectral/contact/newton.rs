@@ -37,7 +37,7 @@ pub(super) const NOWHERE: f64 = 1e-7;
 const ON_TRIAL: Range<f64> = 1e-7..1e-5;
 
 /// Moves the ends of a contact set until none moves any more; returns the fit, or none if that does not happen.
-pub(in crate::spectral) fn settle(
+pub(crate) fn settle(
     setup: &Setup,
     contact: &mut [RingContact],
     level: &Level,
@@ -243,7 +243,7 @@ struct Shrinking {
 }
 
 /// Removes an arc, or the gap after it.
-pub(in crate::spectral) fn remove(ring: &mut RingContact, number: usize, is_gap: bool, turn: f64) {
+pub(crate) fn remove(ring: &mut RingContact, number: usize, is_gap: bool, turn: f64) {
     let many = ring.arcs.len();
     if is_gap {
         if many == 1 {

@@ -10,7 +10,7 @@ use crate::spectral::geometry::ring::{PlaneRing, RingContact};
 use crate::spectral::setup::{Level, Setup};
 
 /// Solution of one level with what is known of it.
-pub(in crate::spectral) struct PlaneFound {
+pub(crate) struct PlaneFound {
     pub contact: Vec<RingContact>,
     pub fit: Fit,
     pub nodes: Vec<PlaneNode>,
@@ -67,7 +67,7 @@ impl PlaneFound {
     }
 
     /// Solution of the finest level from this one's contact set, unless this is it; none if that is not found there.
-    pub(in crate::spectral) fn refined(&self, setup: &Setup) -> Option<Self> {
+    pub(crate) fn refined(&self, setup: &Setup) -> Option<Self> {
         let [.., finest] = Level::FINE;
         if self.level.degree == finest.degree {
             return None;
@@ -98,7 +98,7 @@ impl PlaneFound {
     ///
     /// # Errors
     /// [`PlaneError`].
-    pub(in crate::spectral) fn check_balance(&self, balance: f64) -> Result<(), PlaneError> {
+    pub(crate) fn check_balance(&self, balance: f64) -> Result<(), PlaneError> {
         let is_small = 0.1 * self.sizes.unbalanced(balance) < ACCEPTED;
         if is_small { Ok(()) } else { Err(self.refused(balance)) }
     }
@@ -117,7 +117,7 @@ fn is_near(one: &[RingContact], other: &[RingContact], perimeter: f64) -> bool {
 }
 
 /// Solves a problem from a contact set.
-pub(in crate::spectral) fn search(
+pub(crate) fn search(
     setup: &Setup,
     start: &PlaneStart,
     effort: &mut Effort,
@@ -187,7 +187,7 @@ fn short(ring: &RingContact, sides: &PlaneRing, least: f64) -> Option<(usize, bo
 #[cfg(test)]
 impl PlaneFound {
     /// Solution with a fit that is known.
-    pub(in crate::spectral) fn known(setup: &Setup, contact: &[RingContact], fit: Fit) -> Self {
+    pub(crate) fn known(setup: &Setup, contact: &[RingContact], fit: Fit) -> Self {
         let level = Level::FINE[2];
         let nodes = boundary_nodes(setup, &fit, &level, POINTS[1]);
         let sizes = Sizes::new(setup, &nodes);

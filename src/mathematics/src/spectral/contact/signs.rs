@@ -8,7 +8,7 @@ use crate::spectral::geometry::ring::{RingContact, StateChange};
 use crate::spectral::setup::Setup;
 
 /// Largest violations over what is tolerated, and the contact set with them mended, if any.
-pub(in crate::spectral) struct PlaneSigns {
+pub(crate) struct PlaneSigns {
     /// Least room of the flux in the law, over its size; violations next to a split count less.
     pub flux: f64,
     /// Least v less the value of the law, of the right sign where v slips, over its size.
@@ -76,7 +76,7 @@ impl PlaneVerdict {
 
 impl PlaneSigns {
     /// Signs at all nodes; those within the distance `unsure` of an end of contact are right.
-    pub(in crate::spectral) fn new(
+    pub(crate) fn new(
         setup: &Setup,
         contact: &[RingContact],
         nodes: &[PlaneNode],

@@ -26,7 +26,7 @@ const MOST_TIMES: usize = 12;
 
 /// Contact set with which Newton's method begins.
 #[derive(Clone, Debug)]
-pub(in crate::spectral) struct PlaneStart {
+pub(crate) struct PlaneStart {
     /// Arcs that stick, loop by loop. What they say of fixed and free sides is not read.
     pub contact: Vec<RingContact>,
     /// Length of the edges of the mesh that it is from: arcs and gaps of one or two are left out.
@@ -34,7 +34,7 @@ pub(in crate::spectral) struct PlaneStart {
 }
 
 /// Finite element solution on the boundary.
-pub(in crate::spectral) struct DiscreteStart {
+pub(crate) struct DiscreteStart {
     /// v at all nodes.
     y: Vec<f64>,
     /// States of the nodes where the law holds.
@@ -44,11 +44,7 @@ pub(in crate::spectral) struct DiscreteStart {
 
 impl DiscreteStart {
     /// Solution on the finest refinement of a mesh with no more nodes than this, about; none if there is no solution.
-    pub(in crate::spectral) fn on_mesh(
-        coarsest: &PlaneMesh,
-        f: &[Source],
-        most_nodes: f64,
-    ) -> Option<Self> {
+    pub(crate) fn on_mesh(coarsest: &PlaneMesh, f: &[Source], most_nodes: f64) -> Option<Self> {
         let of_either = AnyMesh::from(coarsest.clone());
         let fits = (1..=MOST_TIMES).take_while(|&times| of_either.nodes_after(times) <= most_nodes);
         let NestedMeshes { meshes, networks, .. } = nested_meshes(coarsest, fits.count()).ok()?;
@@ -60,7 +56,7 @@ impl DiscreteStart {
     }
 
     /// Solution on the grid of the square with so many cells per side; none if there is no solution.
-    pub(in crate::spectral) fn on_square(cells: usize, f: &Source, law: Law) -> Option<Self> {
+    pub(crate) fn on_square(cells: usize, f: &Source, law: Law) -> Option<Self> {
         let grid = Grid::new(cells).ok()?;
         let load = load(grid, f, LoadRule::Bilinear {});
         let params = MultigridParams::default();
@@ -75,10 +71,7 @@ impl DiscreteStart {
     }
 
     /// Contact set on the loops of a problem.
-    pub(in crate::spectral) fn seen(
-        &self,
-        PlaneProblem { domain, .. }: &PlaneProblem,
-    ) -> PlaneStart {
+    pub(crate) fn seen(&self, PlaneProblem { domain, .. }: &PlaneProblem) -> PlaneStart {
         let mut curves = self.curves.clone();
         for point in curves.iter_mut().flat_map(|curve| &mut curve.points) {
             *point = domain.frame.seen(*point).coordinates();

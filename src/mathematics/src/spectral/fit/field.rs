@@ -10,7 +10,7 @@ use crate::spectral::setup::{Level, Setup};
 
 /// Values at a point of the boundary.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct PlaneNode {
+pub(crate) struct PlaneNode {
     pub spot: Spot,
     /// v.
     pub value: f64,
@@ -35,19 +35,19 @@ pub(in crate::spectral) struct PlaneNode {
 
 impl PlaneNode {
     /// v less the value of the law.
-    pub(in crate::spectral) fn above(&self) -> f64 {
+    pub(crate) fn above(&self) -> f64 {
         self.value - self.law.at()
     }
 
     /// Outer normal.
-    pub(in crate::spectral) fn normal(&self) -> Complex {
+    pub(crate) fn normal(&self) -> Complex {
         -self.spot.tangent.turned()
     }
 }
 
 /// Sizes that all checks refer to.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::spectral) struct Sizes {
+pub(crate) struct Sizes {
     /// Mean of |dv/dn|.
     pub flux: f64,
     /// That times the diameter, or the largest value of a law.
@@ -61,7 +61,7 @@ pub(in crate::spectral) struct Sizes {
 }
 
 /// Nodes of the boundary in walking order.
-pub(in crate::spectral) fn boundary_nodes(
+pub(crate) fn boundary_nodes(
     setup: &Setup,
     fit: &Fit,
     level: &Level,
@@ -89,7 +89,7 @@ pub(in crate::spectral) fn boundary_nodes(
 }
 
 /// Nodes at spots.
-pub(in crate::spectral) fn nodes_at(setup: &Setup, fit: &Fit, spots: &[Spot]) -> Vec<PlaneNode> {
+pub(crate) fn nodes_at(setup: &Setup, fit: &Fit, spots: &[Spot]) -> Vec<PlaneNode> {
     let [mut g, slopes] = fit.at(spots, true);
     let points: Vec<Complex> = spots.iter().map(|spot| spot.z).collect();
     for (hole, &c) in fit.functions.holes.iter().zip(&fit.logs) {
@@ -110,7 +110,7 @@ pub(in crate::spectral) fn nodes_at(setup: &Setup, fit: &Fit, spots: &[Spot]) ->
 }
 
 /// Node at a spot, from g with its derivative, and psi with its gradient.
-pub(in crate::spectral) fn node(
+pub(crate) fn node(
     fit: &Fit,
     spot: Spot,
     [g, slope]: [Complex; 2],
@@ -137,17 +137,17 @@ pub(in crate::spectral) fn node(
 }
 
 /// An error over a size: zero without an error, as where f and v are zero.
-pub(in crate::spectral) fn share(error: f64, size: f64) -> f64 {
+pub(crate) fn share(error: f64, size: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error / size }
 }
 
 impl Sizes {
     /// Share of the flux that f does not balance.
-    pub(in crate::spectral) fn unbalanced(&self, balance: f64) -> f64 {
+    pub(crate) fn unbalanced(&self, balance: f64) -> f64 {
         share(balance.abs(), self.force.abs().max(self.flux))
     }
 
-    pub(in crate::spectral) fn new(setup: &Setup, nodes: &[PlaneNode]) -> Self {
+    pub(crate) fn new(setup: &Setup, nodes: &[PlaneNode]) -> Self {
         /// Difference of v from a constant, over that, which is none.
         const CONSTANT: f64 = 1e-7;
         let mut sizes = Self::default();

@@ -21,7 +21,7 @@ const NEAR: usize = 64;
 const RIDGE: f64 = 1e-15;
 
 /// Matrix by columns, the last of which is the right-hand side, with room for a multiple of the identity below.
-pub(in crate::spectral) struct Columns {
+pub(crate) struct Columns {
     /// Rows without those of the identity.
     pub rows: usize,
     /// Unknowns.
@@ -33,19 +33,19 @@ pub(in crate::spectral) struct Columns {
 
 impl Columns {
     /// Zeros.
-    pub(in crate::spectral) fn new(rows: usize, unknowns: usize) -> Self {
+    pub(crate) fn new(rows: usize, unknowns: usize) -> Self {
         let height = (rows + unknowns).next_multiple_of(TALL);
         Self { rows, unknowns, height, entries: vec![0.0; height * (unknowns + 1)] }
     }
 
     /// Column by its number, without the rows of the identity.
-    pub(in crate::spectral) fn column(&mut self, k: usize) -> &mut [f64] {
+    pub(crate) fn column(&mut self, k: usize) -> &mut [f64] {
         let from = k * self.height;
         &mut self.entries[from..from + self.rows]
     }
 
     /// Coefficients of the columns whose sum is nearest to the right-hand side; destroys the matrix.
-    pub(in crate::spectral) fn solve(mut self) -> Vec<f64> {
+    pub(crate) fn solve(mut self) -> Vec<f64> {
         let (rows, many, height) = (self.rows, self.unknowns, self.height);
         let mut scales = Vec::with_capacity(many);
         for k in 0..many {

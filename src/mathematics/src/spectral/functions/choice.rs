@@ -18,7 +18,7 @@ const BESIDE: f64 = 100.0;
 
 impl Functions {
     /// Functions for one contact set.
-    pub(in crate::spectral) fn chosen(setup: &Setup, walk: &Walk, level: &Level) -> Self {
+    pub(crate) fn chosen(setup: &Setup, walk: &Walk, level: &Level) -> Self {
         let splits = 0..walk.splits.len();
         let mut families: Vec<Family> =
             splits.filter_map(|k| at_split(setup, walk, k, level)).collect();

@@ -4,48 +4,48 @@ use crate::machine::simd::vectorised;
 use crate::problem::complex::Complex;
 
 /// Points side by side.
-pub(in crate::spectral) const TOGETHER: usize = 16;
+pub(crate) const TOGETHER: usize = 16;
 
 /// Complex numbers side by side, their real and imaginary parts apart.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct ComplexLanes {
+pub(crate) struct ComplexLanes {
     pub re: [f64; TOGETHER],
     pub im: [f64; TOGETHER],
 }
 
 impl ComplexLanes {
-    pub(in crate::spectral) const ZERO: Self = Self::filled(Complex::new(0.0, 0.0));
+    pub(crate) const ZERO: Self = Self::filled(Complex::new(0.0, 0.0));
 
     /// One number at all points.
-    pub(in crate::spectral) const fn filled(z: Complex) -> Self {
+    pub(crate) const fn filled(z: Complex) -> Self {
         Self { re: [z.re; TOGETHER], im: [z.im; TOGETHER] }
     }
 
     #[inline(always)]
-    pub(in crate::spectral) fn get(&self, lane: usize) -> Complex {
+    pub(crate) fn get(&self, lane: usize) -> Complex {
         Complex::new(self.re[lane], self.im[lane])
     }
 
     #[inline(always)]
-    pub(in crate::spectral) fn set(&mut self, lane: usize, z: Complex) {
+    pub(crate) fn set(&mut self, lane: usize, z: Complex) {
         (self.re[lane], self.im[lane]) = (z.re, z.im);
     }
 
     /// Numbers of the first points.
-    pub(in crate::spectral) fn first(&self, many: usize) -> impl Iterator<Item = Complex> {
+    pub(crate) fn first(&self, many: usize) -> impl Iterator<Item = Complex> {
         (0..many).map(|lane| self.get(lane))
     }
 
     /// Adds a multiple of other numbers.
     #[inline(always)]
-    pub(in crate::spectral) fn add_scaled(&mut self, factor: Complex, other: &Self) {
+    pub(crate) fn add_scaled(&mut self, factor: Complex, other: &Self) {
         for l in 0..TOGETHER {
             self.set(l, self.get(l) + factor * other.get(l));
         }
     }
 
     #[inline(always)]
-    pub(in crate::spectral) fn scale(&mut self, factor: f64) {
+    pub(crate) fn scale(&mut self, factor: f64) {
         for l in 0..TOGETHER {
             self.set(l, self.get(l).scaled(factor));
         }
@@ -53,7 +53,7 @@ impl ComplexLanes {
 
     /// Products with other numbers.
     #[inline(always)]
-    pub(in crate::spectral) fn times(&self, other: &Self) -> Self {
+    pub(crate) fn times(&self, other: &Self) -> Self {
         let mut products = *self;
         for l in 0..TOGETHER {
             products.set(l, self.get(l) * other.get(l));
@@ -63,10 +63,7 @@ impl ComplexLanes {
 }
 
 /// Sum of numbers times coefficients.
-pub(in crate::spectral) fn summed(
-    coefficients: &[Complex],
-    numbers: &[ComplexLanes],
-) -> ComplexLanes {
+pub(crate) fn summed(coefficients: &[Complex], numbers: &[ComplexLanes]) -> ComplexLanes {
     let mut sum = ComplexLanes::ZERO;
     vectorised(
         #[inline(always)]
@@ -81,7 +78,7 @@ pub(in crate::spectral) fn summed(
 
 /// Sum of numbers times coefficients, to which what each addition loses is added at last; and bounds of its rounding
 /// errors, by those of the numbers in units in the last place.
-pub(in crate::spectral) fn bounded_sum(
+pub(crate) fn bounded_sum(
     coefficients: &[Complex],
     units: &[f64],
     numbers: &[ComplexLanes],

@@ -28,7 +28,7 @@ impl PlaneRing {
 
 /// Condition on an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::spectral) enum State {
+pub(crate) enum State {
     /// v is the value of the law.
     Held,
     /// dv/dn has this value.
@@ -38,7 +38,7 @@ pub(in crate::spectral) enum State {
 impl State {
     /// Condition of a state under a law; v that would leave the value where the law lets it not, leaves it the other
     /// way.
-    pub(in crate::spectral) fn under(law: Law, state: BoundaryState) -> Self {
+    pub(crate) fn under(law: Law, state: BoundaryState) -> Self {
         match state {
             BoundaryState::Sticks => Self::Held,
             BoundaryState::SlipsDown if law.hi().is_finite() => Self::Flux(law.hi()),
@@ -49,13 +49,13 @@ impl State {
 }
 
 /// Sign of v less the value of a law that belongs to a flux at an end of it.
-pub(in crate::spectral) fn sign(law: Law, flux: f64) -> f64 {
+pub(crate) fn sign(law: Law, flux: f64) -> f64 {
     if flux == law.hi() { -1.0 } else { 1.0 }
 }
 
 /// Point between two intervals.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct Split {
+pub(crate) struct Split {
     pub ring: usize,
     /// Distance along the loop.
     pub t: f64,
@@ -80,7 +80,7 @@ pub(in crate::spectral) struct Split {
 
 /// Corner next to an end of contact.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct CornerBeside {
+pub(crate) struct CornerBeside {
     /// Inner angle.
     pub angle: f64,
     /// True if v is given on one side of the corner and the end together, and not on the other.
@@ -89,7 +89,7 @@ pub(in crate::spectral) struct CornerBeside {
 
 /// Part of a side between two splits.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct PlaneInterval {
+pub(crate) struct PlaneInterval {
     pub ring: usize,
     pub side: usize,
     /// Splits at its ends.
@@ -108,7 +108,7 @@ pub(in crate::spectral) struct PlaneInterval {
 
 /// Point of the boundary at which a jump of f ends.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct PlaneCrossing {
+pub(crate) struct PlaneCrossing {
     pub ring: usize,
     /// Distance along the loop.
     pub t: f64,
@@ -120,7 +120,7 @@ pub(in crate::spectral) struct PlaneCrossing {
 
 /// Crossing that is joined with a split.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct JoinedCrossing {
+pub(crate) struct JoinedCrossing {
     pub split: usize,
     /// Distance along the loop from the split to the crossing, negative if that comes first.
     pub offset: f64,
@@ -129,7 +129,7 @@ pub(in crate::spectral) struct JoinedCrossing {
 
 /// All of the boundary for one contact set.
 #[cfg_attr(test, derive(Clone))]
-pub(in crate::spectral) struct Walk {
+pub(crate) struct Walk {
     pub splits: Vec<Split>,
     /// All crossings, in order at each split.
     pub joined: Vec<JoinedCrossing>,
@@ -141,7 +141,7 @@ pub(in crate::spectral) struct Walk {
 
 impl Walk {
     /// Corner next to an end of contact.
-    pub(in crate::spectral) fn corner_beside(&self, k: usize) -> Option<CornerBeside> {
+    pub(crate) fn corner_beside(&self, k: usize) -> Option<CornerBeside> {
         let split = &self.splits[k];
         split.end?;
         let near = usize::from(split.lengths[1] < split.lengths[0]);
@@ -153,7 +153,7 @@ impl Walk {
 
     /// True if the interval before (0) or after (1) a split ends where another law begins, with a flux that is not
     /// zero: an end of contact may lie as near to that as it likes, but not beyond.
-    pub(in crate::spectral) fn has_other_flux_after(&self, k: usize, side: usize) -> bool {
+    pub(crate) fn has_other_flux_after(&self, k: usize, side: usize) -> bool {
         let mut intervals = self.intervals.iter();
         let Some(own) = intervals.find(|own| own.splits[1 - side] == k) else { return false };
         let last = &self.splits[own.splits[side]];
@@ -161,7 +161,7 @@ impl Walk {
         last.joint && has_flux(last.states[side])
     }
 
-    pub(in crate::spectral) fn new(
+    pub(crate) fn new(
         rings: &[PlaneRing],
         contact: &[RingContact],
         crossings: &[PlaneCrossing],
@@ -264,7 +264,7 @@ impl Walk {
     }
 
     /// Sets f beside the intervals of a loop, from f beside one of them and the changes at the crossings.
-    pub(in crate::spectral) fn set_f(&mut self, ring: usize, known: usize, f: f64) {
+    pub(crate) fn set_f(&mut self, ring: usize, known: usize, f: f64) {
         let own: Vec<usize> =
             (0..self.intervals.len()).filter(|&k| self.intervals[k].ring == ring).collect();
         let first = own.iter().position(|&k| k == known).expect("an interval of the loop");
@@ -281,7 +281,7 @@ impl Walk {
     }
 
     /// Pieces of the boundary between crossings and the splits with which they are joined.
-    pub(in crate::spectral) fn joined_pieces(&self) -> Vec<JoinedPiece> {
+    pub(crate) fn joined_pieces(&self) -> Vec<JoinedPiece> {
         let mut pieces = Vec::new();
         for own in self.joined.chunk_by(|one, other| one.split == other.split) {
             let split = own[0].split;
@@ -304,7 +304,7 @@ impl Walk {
 
 /// Piece of the boundary between a crossing and the split with which it is joined, or between two such crossings.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct JoinedPiece {
+pub(crate) struct JoinedPiece {
     pub split: usize,
     /// Distances along the loop from the split.
     pub span: [f64; 2],
@@ -315,7 +315,7 @@ pub(in crate::spectral) struct JoinedPiece {
 }
 
 impl JoinedPiece {
-    pub(in crate::spectral) fn length(&self) -> f64 {
+    pub(crate) fn length(&self) -> f64 {
         self.span[1] - self.span[0]
     }
 }
@@ -385,7 +385,7 @@ fn marks(
 
 impl Split {
     /// Length of the shortest panel at it, in halves of the interval.
-    pub(in crate::spectral) fn depth(&self) -> f64 {
+    pub(crate) fn depth(&self) -> f64 {
         match () {
             () if self.corner && self.angle > 1.01 * PI => 1e-9,
             () if self.corner => 1e-7,
@@ -396,7 +396,7 @@ impl Split {
     }
 
     /// Direction into the domain: that of the bisector.
-    pub(in crate::spectral) fn inwards(&self) -> Complex {
+    pub(crate) fn inwards(&self) -> Complex {
         self.tangents[1] * Complex::unit(0.5 * self.angle)
     }
 }

@@ -8,16 +8,16 @@ use std::f64::consts::TAU;
 
 /// Points closer than this count as one: about 1e-12, but no decimal number, so that a decimal distance is never at
 /// the limit.
-pub(in crate::spectral) const SAME: f64 = 1.0 / (1_u64 << 40) as f64;
+pub(crate) const SAME: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// Distance by which points may be off by rounding, of coordinates below 1 and in their use.
-pub(in crate::spectral) const ROUNDING: f64 = 4e-15;
+pub(crate) const ROUNDING: f64 = 4e-15;
 
 /// A line, or a circle anticlockwise, whose points are known by their distance from the origin along it.
 ///
 /// Centres and radii would lose digits to cancellation where a large circle is nearly straight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::spectral) struct Curve {
+pub(crate) struct Curve {
     /// A point of the curve; of a large circle the one nearest to the square.
     pub origin: Complex,
     /// Unit tangent at the origin.
@@ -27,30 +27,30 @@ pub(in crate::spectral) struct Curve {
 }
 
 impl Curve {
-    pub(in crate::spectral) const fn line(origin: Complex, tangent: Complex) -> Self {
+    pub(crate) const fn line(origin: Complex, tangent: Complex) -> Self {
         Self { origin, tangent, curvature: 0.0 }
     }
 
-    pub(in crate::spectral) fn at(self, s: f64) -> Complex {
+    pub(crate) fn at(self, s: f64) -> Complex {
         let half = Complex::unit(0.5 * self.curvature * s);
         let chord = if self.curvature == 0.0 { s } else { 2.0 * half.im / self.curvature };
         self.origin + self.tangent * half.scaled(chord)
     }
 
     /// Unit tangent at a distance from the origin along the curve.
-    pub(in crate::spectral) fn direction(self, s: f64) -> Complex {
+    pub(crate) fn direction(self, s: f64) -> Complex {
         self.tangent * Complex::unit(self.curvature * s)
     }
 
     /// Coordinates of a point in the frame of the origin and the tangent there.
     #[inline(always)]
-    pub(in crate::spectral) fn local(self, z: Complex) -> Complex {
+    pub(crate) fn local(self, z: Complex) -> Complex {
         self.tangent.conj() * (z - self.origin)
     }
 
     /// Position of a point with respect to the centre.
     #[inline(always)]
-    pub(in crate::spectral) fn polar(self, z: Complex) -> Polar {
+    pub(crate) fn polar(self, z: Complex) -> Polar {
         let local = self.local(z);
         Polar {
             nu: Complex::new(1.0 - self.curvature * local.im, self.curvature * local.re),
@@ -59,24 +59,24 @@ impl Curve {
     }
 
     /// Distance of a point from the curve, negative to its left.
-    pub(in crate::spectral) fn distance(self, z: Complex) -> f64 {
+    pub(crate) fn distance(self, z: Complex) -> f64 {
         let Polar { nu, power } = self.polar(z);
         -power / (1.0 + nu.norm())
     }
 
     /// Length of a circle.
-    pub(in crate::spectral) fn period(self) -> Option<f64> {
+    pub(crate) fn period(self) -> Option<f64> {
         (self.curvature > 0.0).then(|| TAU / self.curvature)
     }
 
     /// Centre of a circle.
-    pub(in crate::spectral) fn centre(self) -> Option<Complex> {
+    pub(crate) fn centre(self) -> Option<Complex> {
         let normal = self.tangent.turned();
         (self.curvature > 0.0).then(|| self.origin + normal.scaled(1.0 / self.curvature))
     }
 
     /// Distance from the origin along the curve to the point nearest to `z`.
-    pub(in crate::spectral) fn place(self, z: Complex) -> f64 {
+    pub(crate) fn place(self, z: Complex) -> f64 {
         let local = self.local(z);
         if self.curvature == 0.0 {
             return local.re;
@@ -114,7 +114,7 @@ impl Curve {
     /// Overlap with another curve that it touches, as [`Self::meets`] sees it, by two points of both. By the triangle
     /// of the centres and one of these points they are `2 sqrt(square) / bend` apart, and the width between the curves
     /// is about `square / (2 bend)`.
-    pub(in crate::spectral) fn overlap(self, other: Self) -> Option<Overlap> {
+    pub(crate) fn overlap(self, other: Self) -> Option<Overlap> {
         let Relation { square, bend, .. } = self.relation(other);
         let is_one = self.curvature == 0.0 && other.curvature == 0.0 || self.same(other);
         // By the angle at both points, and the difference of the curvatures.
@@ -124,7 +124,7 @@ impl Curve {
 
     /// Points at which the curve meets another one, as distances from the origin along it. Curves that overlap by, or
     /// lack, less than half of [`SAME`] touch, as is frequent with decimal input.
-    pub(in crate::spectral) fn meets(self, other: Self) -> Vec<f64> {
+    pub(crate) fn meets(self, other: Self) -> Vec<f64> {
         let Relation { a, b, c, bend, square, concentric } = self.relation(other);
         let straight = self.curvature == 0.0 && other.curvature == 0.0;
         let parallel = straight && square < ROUNDING * ROUNDING;
@@ -148,26 +148,26 @@ impl Curve {
     }
 
     /// Distance by which points of the curve may be off: on a large circle by the rounding error of its radius.
-    pub(in crate::spectral) fn rounding(self) -> f64 {
+    pub(crate) fn rounding(self) -> f64 {
         ROUNDING.max(2e-15 * self.period().unwrap_or_default())
     }
 
     /// True if points lie on the curve, within a distance or [`Self::rounding`].
-    pub(in crate::spectral) fn holds(self, points: [Complex; 3], within: f64) -> bool {
+    pub(crate) fn holds(self, points: [Complex; 3], within: f64) -> bool {
         let within = within.max(self.rounding());
         points.into_iter().all(|z| self.distance(z).abs() < within)
     }
 
     /// True if both curves are equal. Curves that are a little farther apart than points that count as one would differ
     /// on some of their pieces only.
-    pub(in crate::spectral) fn same(self, other: Self) -> bool {
+    pub(crate) fn same(self, other: Self) -> bool {
         let s = 1.0_f64.min(1.0 / self.curvature);
         other.holds([-s, 0.0, s].map(|s| self.at(s)), 4.0 * ROUNDING)
     }
 }
 
 /// Position of a point with respect to a curve.
-pub(in crate::spectral) struct Polar {
+pub(crate) struct Polar {
     /// `1 + i k zeta`, with the curvature k and zeta of [`Curve::local`]: the position relative to the centre, turned
     /// and in radii; 1 for a line.
     pub nu: Complex,
@@ -177,7 +177,7 @@ pub(in crate::spectral) struct Polar {
 
 /// Points on the left and on the right of a point of a curve with this normal to the left, `most` from it, and no
 /// farther than half of these distances of others.
-pub(in crate::spectral) fn beside(
+pub(crate) fn beside(
     [z, normal]: [Complex; 2],
     most: f64,
     others: impl Iterator<Item = f64>,
@@ -188,7 +188,7 @@ pub(in crate::spectral) fn beside(
 
 /// Bounds of the width and the length of what two curves share.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct Overlap {
+pub(crate) struct Overlap {
     pub width: f64,
     pub length: f64,
 }
@@ -209,7 +209,7 @@ struct Relation {
 
 /// Part of a curve.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct Arc {
+pub(crate) struct Arc {
     pub curve: Curve,
     /// Start and end, as distances from the origin along the curve; the end may come first.
     pub span: [f64; 2],
@@ -218,7 +218,7 @@ pub(in crate::spectral) struct Arc {
 }
 
 impl Arc {
-    pub(in crate::spectral) fn reversed(self) -> Self {
+    pub(crate) fn reversed(self) -> Self {
         let ([a, b], [first, last]) = (self.span, self.ends);
         Self { span: [b, a], ends: [last, first], ..self }
     }
@@ -228,7 +228,7 @@ impl Arc {
 const FARTHEST: f64 = 10.0;
 
 /// Curves that bound a shape; none for a disc that is hardly wider than a point.
-pub(in crate::spectral) fn borders(shape: &Shape<2>) -> Vec<Curve> {
+pub(crate) fn borders(shape: &Shape<2>) -> Vec<Curve> {
     match *shape {
         Shape::Ball { radius, .. } if radius < 2.0 * SAME => Vec::new(),
         Shape::Ball { centre: [x, y], radius } => {
@@ -269,13 +269,13 @@ fn line([a, b, c]: [f64; 3]) -> Curve {
 }
 
 /// Part of a curve.
-pub(in crate::spectral) struct CurvePart<T> {
+pub(crate) struct CurvePart<T> {
     pub span: [f64; 2],
     pub value: T,
 }
 
 /// Adds a part of a curve, to the last one if they touch and have the same value.
-pub(in crate::spectral) fn append<T: PartialEq>(parts: &mut Vec<CurvePart<T>>, part: CurvePart<T>) {
+pub(crate) fn append<T: PartialEq>(parts: &mut Vec<CurvePart<T>>, part: CurvePart<T>) {
     match parts.last_mut() {
         Some(last) if last.value == part.value && part.span[0] - last.span[1] < SAME => {
             last.span[1] = part.span[1];
@@ -285,7 +285,7 @@ pub(in crate::spectral) fn append<T: PartialEq>(parts: &mut Vec<CurvePart<T>>, p
 }
 
 /// Joins the last part of a circle to the first if they touch and have the same value.
-pub(in crate::spectral) fn close<T: PartialEq>(parts: &mut Vec<CurvePart<T>>, period: f64) {
+pub(crate) fn close<T: PartialEq>(parts: &mut Vec<CurvePart<T>>, period: f64) {
     if let [first, .., last] = &mut parts[..]
         && first.value == last.value
         && first.span[0] + period - last.span[1] < SAME

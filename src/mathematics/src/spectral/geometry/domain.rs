@@ -13,10 +13,10 @@ use crate::spectral::error::PlaneError;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PlaneDomain {
     /// Coordinates of all its points.
-    pub(in crate::spectral) frame: Frame,
+    pub(crate) frame: Frame,
     /// Names of the parts of the boundary; none of the square.
-    pub(in crate::spectral) parts: Vec<Names>,
-    pub(in crate::spectral) rings: Vec<PlaneRing>,
+    pub(crate) parts: Vec<Names>,
+    pub(crate) rings: Vec<PlaneRing>,
 }
 
 impl PlaneDomain {
@@ -25,10 +25,7 @@ impl PlaneDomain {
     /// # Errors
     /// [`PlaneError::Domain`] if a loop does not close, two of its sides lie on each other, or the domain does not lie
     /// on its left.
-    pub(in crate::spectral) fn seen(
-        frame: Frame,
-        loops: Vec<Vec<PlaneSide>>,
-    ) -> Result<Self, PlaneError> {
+    pub(crate) fn seen(frame: Frame, loops: Vec<Vec<PlaneSide>>) -> Result<Self, PlaneError> {
         /// Distance, over the diameter, up to which sides that meet may be apart: rounding of points of circles.
         const MEET: f64 = 2e-14;
         /// That from which on sides beside each other leave room between them.
@@ -73,23 +70,23 @@ impl PlaneDomain {
     }
 
     /// All sides.
-    pub(in crate::spectral) fn sides(&self) -> impl Iterator<Item = &PlaneSide> {
+    pub(crate) fn sides(&self) -> impl Iterator<Item = &PlaneSide> {
         self.rings.iter().flat_map(|ring| &ring.sides)
     }
 
     /// True if v = 0 is not what all laws have; without it the energy of v = 0 is zero.
-    pub(in crate::spectral) fn has_values(&self) -> bool {
+    pub(crate) fn has_values(&self) -> bool {
         self.sides().any(|side| side.law.at() != 0.0)
     }
 
     /// Length of the diagonal of the box round the domain.
-    pub(in crate::spectral) fn diameter(&self) -> f64 {
+    pub(crate) fn diameter(&self) -> f64 {
         let [[left, right], [low, high]] = self.extent();
         libm::hypot(right - left, high - low)
     }
 
     /// Least and greatest coordinates, to a hundredth of a turn of arcs.
-    pub(in crate::spectral) fn extent(&self) -> [[f64; 2]; 2] {
+    pub(crate) fn extent(&self) -> [[f64; 2]; 2] {
         let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for side in self.sides() {
             for k in 0..=100 {
@@ -103,29 +100,29 @@ impl PlaneDomain {
     }
 
     /// Middle of the box round the domain.
-    pub(in crate::spectral) fn centre(&self) -> Complex {
+    pub(crate) fn centre(&self) -> Complex {
         let [[left, right], [low, high]] = self.extent();
         Complex::new(0.5 * (left + right), 0.5 * (low + high))
     }
 
     /// Length of the boundary.
-    pub(in crate::spectral) fn perimeter(&self) -> f64 {
+    pub(crate) fn perimeter(&self) -> f64 {
         self.sides().map(PlaneSide::length).sum()
     }
 
     /// Distance of a point from the boundary.
-    pub(in crate::spectral) fn distance(&self, z: Complex) -> f64 {
+    pub(crate) fn distance(&self, z: Complex) -> f64 {
         self.sides().map(|side| side.distance(z)).fold(f64::INFINITY, f64::min)
     }
 
     /// Distance of a point from the boundary, negative outside of the domain.
-    pub(in crate::spectral) fn depth(&self, z: Complex) -> f64 {
+    pub(crate) fn depth(&self, z: Complex) -> f64 {
         let distance = self.distance(z);
         if self.holds(z) { distance } else { -distance }
     }
 
     /// Loop, side and place of the boundary next to a point.
-    pub(in crate::spectral) fn nearest(&self, z: Complex) -> (usize, SidePlace) {
+    pub(crate) fn nearest(&self, z: Complex) -> (usize, SidePlace) {
         let nearest = self.rings.iter().map(|ring| ring.nearest(z)).enumerate();
         let nearest = nearest.min_by(|(_, one), (_, other)| one.1.total_cmp(&other.1));
         let (ring, (side, _)) = nearest.expect("a domain has a boundary");
@@ -133,13 +130,13 @@ impl PlaneDomain {
     }
 
     /// Distance at which a ray from a point, which may lie on the boundary, first meets the boundary.
-    pub(in crate::spectral) fn exit(&self, z: Complex, direction: Complex) -> f64 {
+    pub(crate) fn exit(&self, z: Complex, direction: Complex) -> f64 {
         let hits = ray_hits(self.sides(), z, direction).into_iter().map(|hit| hit.distance);
         hits.filter(|&s| s > SAME).fold(f64::INFINITY, f64::min)
     }
 
     /// True if the domain holds a point.
-    pub(in crate::spectral) fn holds(&self, z: Complex) -> bool {
+    pub(crate) fn holds(&self, z: Complex) -> bool {
         let mut inside = false;
         for direction in directions() {
             let hits = ray_hits(self.sides(), z, direction);
@@ -153,7 +150,7 @@ impl PlaneDomain {
 
     /// Largest length of the boundary between two points on both sides of a corner, over their distance: one over the
     /// sine of half of its angle, or more.
-    pub(in crate::spectral) fn longest_detour(&self) -> f64 {
+    pub(crate) fn longest_detour(&self) -> f64 {
         let mut least = 1.0f64;
         for ring in &self.rings {
             for k in 0..ring.sides.len() {
@@ -165,7 +162,7 @@ impl PlaneDomain {
     }
 
     /// Points of the domain, so many if it is not tiny in the box round it.
-    pub(in crate::spectral) fn inner_points(&self, many: usize) -> Vec<Complex> {
+    pub(crate) fn inner_points(&self, many: usize) -> Vec<Complex> {
         let [[left, right], [low, high]] = self.extent();
         let scattered = (0..2000).map(|k| {
             let [x, y] = [0.618_034 * f64::from(k) + 0.31, 0.754_878 * f64::from(k) + 0.17];
@@ -177,12 +174,12 @@ impl PlaneDomain {
 }
 
 /// Directions of rays that are tried in turn.
-pub(in crate::spectral) fn directions() -> impl Iterator<Item = Complex> {
+pub(crate) fn directions() -> impl Iterator<Item = Complex> {
     (0..50).map(|k| Complex::unit(0.7 + 2.4 * f64::from(k)))
 }
 
 /// Point at which a ray meets a side.
-pub(in crate::spectral) struct RayHit {
+pub(crate) struct RayHit {
     pub distance: f64,
     /// Position of the side among all.
     pub side: usize,
@@ -193,7 +190,7 @@ pub(in crate::spectral) struct RayHit {
 }
 
 /// Points at which a ray from `z` meets sides, not in order.
-pub(in crate::spectral) fn ray_hits<'a>(
+pub(crate) fn ray_hits<'a>(
     sides: impl Iterator<Item = &'a PlaneSide>,
     z: Complex,
     direction: Complex,

@@ -11,7 +11,7 @@ use crate::spectral::error::PlaneError;
 
 /// Coordinates `(z - origin) / unit`, with f over `height`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::spectral) struct Frame {
+pub(crate) struct Frame {
     /// Coordinates of a mesh lose no digit when it is subtracted.
     pub origin: [f64; 2],
     /// A power of two, so that no digit changes.
@@ -31,7 +31,7 @@ impl Frame {
     /// Frame of the domain of a mesh: with the origin of the plane where the mesh is not far from it, else the middle
     /// of the box round the domain, rounded to multiples of the unit; and with the largest value of f in the middle of
     /// a cell, or on a piece, next to 1.
-    pub(in crate::spectral) fn of(mesh: &PlaneMesh, f: &[Source]) -> Self {
+    pub(crate) fn of(mesh: &PlaneMesh, f: &[Source]) -> Self {
         let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         let bulges = mesh.facets().iter().filter_map(|facet| {
             let circle = mesh.parts()[usize::from(facet.part)].curve?;
@@ -58,28 +58,28 @@ impl Frame {
     }
 
     /// Unit of dv/dn.
-    pub(in crate::spectral) fn of_flux(&self) -> f64 {
+    pub(crate) fn of_flux(&self) -> f64 {
         self.height * self.unit
     }
 
     /// Unit of v and of integrals of f and of dv/dn; that of the energy is its square.
-    pub(in crate::spectral) fn of_value(&self) -> f64 {
+    pub(crate) fn of_value(&self) -> f64 {
         self.of_flux() * self.unit
     }
 
     /// A point of the plane in these coordinates.
-    pub(in crate::spectral) fn seen(&self, [x, y]: [f64; 2]) -> Complex {
+    pub(crate) fn seen(&self, [x, y]: [f64; 2]) -> Complex {
         Complex::new(x - self.origin[0], y - self.origin[1]).scaled(1.0 / self.unit)
     }
 
     /// A point in these coordinates in the plane.
-    pub(in crate::spectral) fn outside(&self, z: Complex) -> [f64; 2] {
+    pub(crate) fn outside(&self, z: Complex) -> [f64; 2] {
         let [x, y] = z.scaled(self.unit).coordinates();
         [x + self.origin[0], y + self.origin[1]]
     }
 
     /// A mesh in these coordinates.
-    pub(in crate::spectral) fn mesh(&self, mesh: &PlaneMesh) -> PlaneMesh {
+    pub(crate) fn mesh(&self, mesh: &PlaneMesh) -> PlaneMesh {
         let mut seen = mesh.clone();
         seen.points.iter_mut().for_each(|point| *point = self.seen(*point).coordinates());
         for circle in seen.parts.iter_mut().filter_map(|part| part.curve.as_mut()) {
@@ -90,12 +90,12 @@ impl Frame {
     }
 
     /// A law in these coordinates.
-    pub(in crate::spectral) fn law(&self, law: Law) -> Law {
+    pub(crate) fn law(&self, law: Law) -> Law {
         law.in_units(self.of_value(), self.of_flux())
     }
 
     /// Constant pieces in these coordinates; another f as it is.
-    pub(in crate::spectral) fn pieces(&self, f: &Source) -> Source {
+    pub(crate) fn pieces(&self, f: &Source) -> Source {
         let Source::Pieces { background, pieces } = f else { return f.clone() };
         let seen = pieces.iter().map(|(shape, value)| {
             (shape.exactly_seen_from(self.origin, self.unit), value / self.height)
@@ -108,7 +108,7 @@ impl Frame {
     ///
     /// # Errors
     /// [`PlaneError::Source`].
-    pub(in crate::spectral) fn check(&self, f: &Source, diameter: f64) -> Result<(), PlaneError> {
+    pub(crate) fn check(&self, f: &Source, diameter: f64) -> Result<(), PlaneError> {
         let Source::Pieces { pieces, .. } = f else { return Ok(()) };
         for (shape, _) in pieces {
             let Shape::Ball { centre, radius } = *shape else { continue };

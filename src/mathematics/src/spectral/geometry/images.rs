@@ -10,7 +10,7 @@ use crate::spectral::geometry::way_out::middle;
 
 /// Point behind the boundary at which the continued solution is singular.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct Image {
+pub(crate) struct Image {
     pub point: Complex,
     pub inwards: Complex,
     /// Distance from the boundary.
@@ -19,11 +19,7 @@ pub(in crate::spectral) struct Image {
 
 /// Mirror images of the singular points of psi behind the sides, and those of them that lie outside themselves, nearer
 /// to the boundary than a share of the size of the domain.
-pub(in crate::spectral) fn images(
-    domain: &PlaneDomain,
-    singular: &[Complex],
-    size: f64,
-) -> Vec<Image> {
+pub(crate) fn images(domain: &PlaneDomain, singular: &[Complex], size: f64) -> Vec<Image> {
     const NEAR: f64 = 0.35;
     let mut points = Vec::new();
     for &z in singular {
@@ -55,11 +51,7 @@ pub(in crate::spectral) fn images(
 }
 
 /// Images of a point of the boundary behind the sides that it sees across the domain, nearer than a distance.
-pub(in crate::spectral) fn images_across(
-    domain: &PlaneDomain,
-    z: Complex,
-    near: f64,
-) -> Vec<Image> {
+pub(crate) fn images_across(domain: &PlaneDomain, z: Complex, near: f64) -> Vec<Image> {
     let mut images = Vec::new();
     for side in domain.sides() {
         let Some(s) = side.place(z, 0.0) else { continue };
@@ -103,7 +95,7 @@ fn outside(domain: &PlaneDomain, point: Complex) -> Option<Image> {
 
 /// Largest disc outside of the domain that touches the boundary in a point.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct MedialDisc {
+pub(crate) struct MedialDisc {
     /// Point in which it touches.
     pub foot: Complex,
     /// Unit vector from there to the centre.
@@ -115,7 +107,7 @@ pub(in crate::spectral) struct MedialDisc {
 const STEP: f64 = 0.05;
 
 impl MedialDisc {
-    pub(in crate::spectral) fn centre(&self) -> Complex {
+    pub(crate) fn centre(&self) -> Complex {
         self.foot + self.outwards.scaled(self.radius)
     }
 
@@ -140,7 +132,7 @@ impl MedialDisc {
 
 /// Discs whose centres are next to each other by a part of their radii, where the boundary faces itself: along the
 /// outer loop of slots, and along slender holes. None where the cuts of a re-entrant corner are.
-pub(in crate::spectral) fn medial_discs(domain: &PlaneDomain) -> Vec<MedialDisc> {
+pub(crate) fn medial_discs(domain: &PlaneDomain) -> Vec<MedialDisc> {
     /// Largest radius, in diameters.
     const LARGEST: f64 = 0.5;
     /// Distance from a corner, over that from it to the boundary outside, within which cuts are.

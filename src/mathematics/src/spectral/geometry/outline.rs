@@ -27,7 +27,7 @@ const APART: f64 = 1e-14;
 ///
 /// # Errors
 /// [`PlaneError::Domain`].
-pub(in crate::spectral) fn outline(
+pub(crate) fn outline(
     curve: &ClosedCurve,
     circles: &[Option<Round<2>>],
     frame: Frame,
@@ -55,7 +55,7 @@ pub(in crate::spectral) fn outline(
 
 /// Edge of a curve, but for its ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::spectral) struct OutlineEdge {
+pub(crate) struct OutlineEdge {
     /// Circle on which it lies; none if it is straight.
     pub circle: Option<Round<2>>,
     /// Law on the boundary, in the coordinates of the frame.
@@ -65,7 +65,7 @@ pub(in crate::spectral) struct OutlineEdge {
 }
 
 /// Edges of a curve from node to node, closed or open.
-pub(in crate::spectral) struct MeshOutline {
+pub(crate) struct MeshOutline {
     /// Nodes; of a closed curve the first is also the last.
     points: Vec<Complex>,
     /// Edge after each node but the last.
@@ -79,11 +79,7 @@ pub(in crate::spectral) struct MeshOutline {
 
 impl MeshOutline {
     /// Path of edges between nodes, one more.
-    pub(in crate::spectral) fn new(
-        points: Vec<Complex>,
-        edges: Vec<OutlineEdge>,
-        frame: Frame,
-    ) -> Self {
+    pub(crate) fn new(points: Vec<Complex>, edges: Vec<OutlineEdge>, frame: Frame) -> Self {
         let size = points.iter().map(|&z| (z - points[0]).norm()).fold(0.0, f64::max);
         let is_closed = points[0] == points[points.len() - 1];
         Self { points, edges, is_closed, size, frame }
@@ -157,7 +153,7 @@ impl MeshOutline {
     ///
     /// # Errors
     /// [`PlaneError::Domain`].
-    pub(in crate::spectral) fn sides(&self) -> Result<Vec<PlaneSide>, PlaneError> {
+    pub(crate) fn sides(&self) -> Result<Vec<PlaneSide>, PlaneError> {
         let (corners, many) = (self.corners(), self.edges.len());
         let mut places = Vec::new();
         for &corner in &corners {

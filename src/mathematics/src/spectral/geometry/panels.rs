@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 
 /// Point of an interval.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct Spot {
+pub(crate) struct Spot {
     pub interval: usize,
     /// Split next to it, and its position from there.
     pub split: usize,
@@ -28,7 +28,7 @@ pub(in crate::spectral) struct Spot {
 
 impl Spot {
     /// Spot away from the boundary.
-    pub(in crate::spectral) fn inside(z: Complex) -> Self {
+    pub(crate) fn inside(z: Complex) -> Self {
         let (delta, tangent) = (Complex::default(), Complex::new(1.0, 0.0));
         Self {
             interval: usize::MAX,
@@ -45,7 +45,7 @@ impl Spot {
 
 /// Part of an interval.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct PlanePanel {
+pub(crate) struct PlanePanel {
     pub interval: usize,
     /// 0 if its points are seen from the start of the interval, 1 from the end.
     pub side: usize,
@@ -55,13 +55,7 @@ pub(in crate::spectral) struct PlanePanel {
 
 impl Walk {
     /// Spot by its offset from the start (0) or the end (1) of an interval.
-    pub(in crate::spectral) fn spot(
-        &self,
-        interval: usize,
-        side: usize,
-        offset: f64,
-        weight: f64,
-    ) -> Spot {
+    pub(crate) fn spot(&self, interval: usize, side: usize, offset: f64, weight: f64) -> Spot {
         let own = &self.intervals[interval];
         let split = own.splits[side];
         let Split { z, tangents, .. } = self.splits[split];
@@ -78,12 +72,7 @@ impl Walk {
     }
 
     /// Spots of a Gauss rule on a panel, in walking order. On a panel at a split the offset is the fifth power.
-    pub(in crate::spectral) fn spots(
-        &self,
-        panel: PlanePanel,
-        rule: &[GaussNode],
-        into: &mut Vec<Spot>,
-    ) {
+    pub(crate) fn spots(&self, panel: PlanePanel, rule: &[GaussNode], into: &mut Vec<Spot>) {
         let [from, to] = panel.span;
         let first = into.len();
         let graded = self.splits[self.intervals[panel.interval].splits[panel.side]].depth() < 1.0;
@@ -103,7 +92,7 @@ impl Walk {
     }
 
     /// Panels in walking order, halved where `too_long` says so of the middle and the length.
-    pub(in crate::spectral) fn panels(
+    pub(crate) fn panels(
         &self,
         least: f64,
         too_long: impl Fn(Complex, f64) -> bool,
@@ -149,7 +138,7 @@ impl Walk {
 
 /// Node of a Gauss rule on (0, 1).
 #[derive(Clone, Copy)]
-pub(in crate::spectral) struct GaussNode {
+pub(crate) struct GaussNode {
     pub x: f64,
     pub weight: f64,
 }
@@ -158,7 +147,7 @@ pub(in crate::spectral) struct GaussNode {
 const MOST: usize = 48;
 
 /// Nodes and weights of the Gauss-Legendre rule with `n` nodes on (0, 1), 48 at most, ascending.
-pub(in crate::spectral) fn gauss(n: usize) -> &'static [GaussNode] {
+pub(crate) fn gauss(n: usize) -> &'static [GaussNode] {
     static RULES: [OnceLock<Vec<GaussNode>>; MOST + 1] = [const { OnceLock::new() }; MOST + 1];
     RULES[n].get_or_init(|| found(n))
 }
@@ -196,10 +185,7 @@ fn legendre(n: usize, x: f64) -> Vec<f64> {
 }
 
 /// Parts of a range, in order: each part for which `at` returns a point between its ends is cut there.
-pub(in crate::spectral) fn cut(
-    range: [f64; 2],
-    at: impl Fn([f64; 2]) -> Option<f64>,
-) -> Vec<[f64; 2]> {
+pub(crate) fn cut(range: [f64; 2], at: impl Fn([f64; 2]) -> Option<f64>) -> Vec<[f64; 2]> {
     let (mut left, mut parts) = (vec![range], Vec::new());
     while let Some(part @ [from, to]) = left.pop() {
         // No number lies between neighbours.
@@ -212,10 +198,7 @@ pub(in crate::spectral) fn cut(
 }
 
 /// Parts of a range, in order, halved until none is too long.
-pub(in crate::spectral) fn halved(
-    range: [f64; 2],
-    too_long: impl Fn([f64; 2]) -> bool,
-) -> Vec<[f64; 2]> {
+pub(crate) fn halved(range: [f64; 2], too_long: impl Fn([f64; 2]) -> bool) -> Vec<[f64; 2]> {
     cut(range, |part| too_long(part).then_some(0.5 * (part[0] + part[1])))
 }
 

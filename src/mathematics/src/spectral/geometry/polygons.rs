@@ -10,12 +10,12 @@ use std::f64::consts::PI;
 
 impl PlaneDomain {
     /// Domain with these loops in coordinates of the plane.
-    pub(in crate::spectral) fn new(loops: Vec<Vec<PlaneSide>>) -> Result<Self, PlaneError> {
+    pub(crate) fn new(loops: Vec<Vec<PlaneSide>>) -> Result<Self, PlaneError> {
         Self::seen(Frame::default(), loops)
     }
 
     /// The domain with another law on sides that have the paper's.
-    pub(in crate::spectral) fn with_law(mut self, law: Law) -> Self {
+    pub(crate) fn with_law(mut self, law: Law) -> Self {
         let sides = self.rings.iter_mut().flat_map(|ring| &mut ring.sides);
         sides.filter(|side| side.law == Law::SIGNORINI).for_each(|side| side.law = law);
         self
@@ -23,25 +23,25 @@ impl PlaneDomain {
 }
 
 /// Full circle round the origin.
-pub(in crate::spectral) fn circle(radius: f64, law: Law, is_outer: bool) -> Vec<PlaneSide> {
+pub(crate) fn circle(radius: f64, law: Law, is_outer: bool) -> Vec<PlaneSide> {
     let angles = if is_outer { [0.0, 2.0 * PI] } else { [2.0 * PI, 0.0] };
     let own = Round::sphere([0.0; 2], radius);
     vec![PlaneSide::arc(own, angles, law, usize::from(!is_outer))]
 }
 
 /// Sides between these corners, with a condition each.
-pub(in crate::spectral) fn loop_of(points: &[[f64; 2]], laws: &[Law]) -> Vec<PlaneSide> {
+pub(crate) fn loop_of(points: &[[f64; 2]], laws: &[Law]) -> Vec<PlaneSide> {
     let ends = |k: usize| [points[k], points[(k + 1) % points.len()]];
     let sides = laws.iter().enumerate();
     sides.map(|(k, &law)| PlaneSide::segment(ends(k), law, k)).collect()
 }
 
 /// Polygon with these corners, anticlockwise, in contact on all sides.
-pub(in crate::spectral) fn polygon(points: &[[f64; 2]]) -> PlaneDomain {
+pub(crate) fn polygon(points: &[[f64; 2]]) -> PlaneDomain {
     PlaneDomain::new(vec![loop_of(points, &vec![Law::SIGNORINI; points.len()])]).unwrap()
 }
 
 /// Unit square round the origin.
-pub(in crate::spectral) fn square() -> PlaneDomain {
+pub(crate) fn square() -> PlaneDomain {
     polygon(&[[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 }

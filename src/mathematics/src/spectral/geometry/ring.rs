@@ -11,13 +11,13 @@ pub(super) const TOGETHER: f64 = 1e-10;
 /// Closed loop of sides with the distances along it.
 #[derive(Clone, Debug)]
 pub(crate) struct PlaneRing {
-    pub(in crate::spectral) sides: Vec<PlaneSide>,
+    pub(crate) sides: Vec<PlaneSide>,
     /// Distance of the start of each side along the loop, and its length at last.
-    pub(in crate::spectral) starts: Vec<f64>,
+    pub(crate) starts: Vec<f64>,
 }
 
 impl PlaneRing {
-    pub(in crate::spectral) fn new(sides: Vec<PlaneSide>) -> Self {
+    pub(crate) fn new(sides: Vec<PlaneSide>) -> Self {
         let mut starts = vec![0.0];
         for side in &sides {
             starts.push(starts[starts.len() - 1] + side.length());
@@ -25,23 +25,23 @@ impl PlaneRing {
         Self { sides, starts }
     }
 
-    pub(in crate::spectral) fn length(&self) -> f64 {
+    pub(crate) fn length(&self) -> f64 {
         self.starts[self.sides.len()]
     }
 
     /// Side before another one.
-    pub(in crate::spectral) fn before(&self, k: usize) -> &PlaneSide {
+    pub(crate) fn before(&self, k: usize) -> &PlaneSide {
         &self.sides[(k + self.sides.len() - 1) % self.sides.len()]
     }
 
     /// Directions of the walk before and after the start of a side.
-    pub(in crate::spectral) fn tangents(&self, k: usize) -> [Complex; 2] {
+    pub(crate) fn tangents(&self, k: usize) -> [Complex; 2] {
         let before = self.before(k);
         [before.tangent(before.length()), self.sides[k].tangent(0.0)]
     }
 
     /// True if a side goes on from the side before, smoothly or after a bend, with the same law and curvature.
-    pub(in crate::spectral) fn is_smooth(&self, k: usize) -> bool {
+    pub(crate) fn is_smooth(&self, k: usize) -> bool {
         let (side, before, [prior, after]) = (&self.sides[k], self.before(k), self.tangents(k));
         (prior.cross(after).abs() < 1e-12 || side.is_after_bend)
             && prior.dot(after) > 0.0
@@ -50,25 +50,25 @@ impl PlaneRing {
     }
 
     /// Distances along the loop at which corners lie.
-    pub(in crate::spectral) fn corners(&self) -> impl Iterator<Item = f64> {
+    pub(crate) fn corners(&self) -> impl Iterator<Item = f64> {
         let corners = (0..self.sides.len()).filter(|&k| !self.is_smooth(k));
         corners.map(|k| self.starts[k])
     }
 
     /// Distance along the loop.
-    pub(in crate::spectral) fn along(&self, SidePlace { side, s }: SidePlace) -> f64 {
+    pub(crate) fn along(&self, SidePlace { side, s }: SidePlace) -> f64 {
         self.starts[side] + s
     }
 
     /// Place at a distance along the loop, in a turn.
-    pub(in crate::spectral) fn place(&self, t: f64) -> SidePlace {
+    pub(crate) fn place(&self, t: f64) -> SidePlace {
         let t = t.rem_euclid(self.length());
         let side = self.starts.partition_point(|&start| start <= t).clamp(1, self.sides.len()) - 1;
         SidePlace { side, s: (t - self.starts[side]).clamp(0.0, self.sides[side].length()) }
     }
 
     /// Place at the beginning of an arc: in a corner, the start of a side.
-    pub(in crate::spectral) fn place_from(&self, t: f64) -> SidePlace {
+    pub(crate) fn place_from(&self, t: f64) -> SidePlace {
         let place = self.place(t);
         let is_at_end = self.sides[place.side].length() - place.s < TOGETHER * self.length();
         let next = SidePlace { side: (place.side + 1) % self.sides.len(), s: 0.0 };
@@ -76,7 +76,7 @@ impl PlaneRing {
     }
 
     /// Place at the end of an arc: in a corner, the end of a side.
-    pub(in crate::spectral) fn place_to(&self, t: f64) -> SidePlace {
+    pub(crate) fn place_to(&self, t: f64) -> SidePlace {
         let place = self.place(t);
         if place.s >= TOGETHER * self.length() {
             return place;
@@ -86,7 +86,7 @@ impl PlaneRing {
     }
 
     /// Number of the side that is nearest to a point, and its distance.
-    pub(in crate::spectral) fn nearest(&self, z: Complex) -> (usize, f64) {
+    pub(crate) fn nearest(&self, z: Complex) -> (usize, f64) {
         let distances = self.sides.iter().map(|side| (side.point(side.nearest(z)) - z).norm());
         let nearest = distances.enumerate().min_by(|one, other| one.1.total_cmp(&other.1));
         nearest.expect("a loop has sides")
@@ -95,14 +95,14 @@ impl PlaneRing {
 
 /// Arcs of a loop that stick, by distances along it: each from its first to its second, which may be beyond a turn.
 #[derive(Clone, Debug, Default)]
-pub(in crate::spectral) struct RingContact {
+pub(crate) struct RingContact {
     pub arcs: Vec<[f64; 2]>,
     /// State of the gap after each arc. Without arcs: none if all sticks, one if nothing does.
     pub gaps: Vec<BoundaryState>,
 }
 
 /// Place on a loop at which the state changes.
-pub(in crate::spectral) struct StateChange {
+pub(crate) struct StateChange {
     /// Distance along the loop.
     pub at: f64,
     /// State from there on.
@@ -112,11 +112,7 @@ pub(in crate::spectral) struct StateChange {
 impl RingContact {
     /// Contact set of a loop of this length that sticks and slips in turn from these places on, in walking order; all
     /// of which has one state if there are none.
-    pub(in crate::spectral) fn of_changes(
-        turn: f64,
-        changes: &[StateChange],
-        all: BoundaryState,
-    ) -> Self {
+    pub(crate) fn of_changes(turn: f64, changes: &[StateChange], all: BoundaryState) -> Self {
         let mut found = Self::default();
         if changes.is_empty() && all != BoundaryState::Sticks {
             found.gaps.push(all);
@@ -132,7 +128,7 @@ impl RingContact {
     }
 
     /// State at a distance along the loop.
-    pub(in crate::spectral) fn state(&self, t: f64, turn: f64) -> BoundaryState {
+    pub(crate) fn state(&self, t: f64, turn: f64) -> BoundaryState {
         let alone = self.gaps.first().filter(|_| self.arcs.is_empty());
         let mut nearest = (f64::INFINITY, alone.copied().unwrap_or(BoundaryState::Sticks));
         for (k, [from, to]) in self.arcs.iter().enumerate() {

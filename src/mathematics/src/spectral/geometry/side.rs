@@ -9,7 +9,7 @@ use crate::spectral::complex::distance;
 /// Side of a domain: a segment, or an arc of a circle, with one law.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlaneSide {
-    pub(in crate::spectral) arc: Arc,
+    pub(crate) arc: Arc,
     /// Law on it.
     pub law: Law,
     /// Number of the part of the boundary to which it belongs.
@@ -46,12 +46,12 @@ impl PlaneSide {
     }
 
     /// Point at a distance from the start along the side.
-    pub(in crate::spectral) fn at(&self, s: f64) -> [f64; 2] {
+    pub(crate) fn at(&self, s: f64) -> [f64; 2] {
         self.point(s).coordinates()
     }
 
     /// Distance from the start along the side of its point that is nearest to `z`, about.
-    pub(in crate::spectral) fn nearest(&self, z: Complex) -> f64 {
+    pub(crate) fn nearest(&self, z: Complex) -> f64 {
         let Arc { curve, span, .. } = self.arc;
         let (along, length) = (self.way() * (curve.place(z) - span[0]), self.length());
         let Some(period) = curve.period() else { return along.clamp(0.0, length) };
@@ -63,27 +63,27 @@ impl PlaneSide {
     }
 
     /// 1 if the side runs along its curve, -1 if against it.
-    pub(in crate::spectral) fn way(&self) -> f64 {
+    pub(crate) fn way(&self) -> f64 {
         1.0_f64.copysign(self.arc.span[1] - self.arc.span[0])
     }
 
     /// Curvature, positive to the left.
-    pub(in crate::spectral) fn curvature(&self) -> f64 {
+    pub(crate) fn curvature(&self) -> f64 {
         self.way() * self.arc.curve.curvature
     }
 
     /// Point at a distance from the start along the side.
-    pub(in crate::spectral) fn point(&self, s: f64) -> Complex {
+    pub(crate) fn point(&self, s: f64) -> Complex {
         self.arc.curve.at(self.arc.span[0] + self.way() * s)
     }
 
     /// Direction of the walk at a distance from the start.
-    pub(in crate::spectral) fn tangent(&self, s: f64) -> Complex {
+    pub(crate) fn tangent(&self, s: f64) -> Complex {
         self.arc.curve.direction(self.arc.span[0] + self.way() * s).scaled(self.way())
     }
 
     /// Distance from the start to the point of the side's curve next to `z`, if it lies on the side, by a tolerance.
-    pub(in crate::spectral) fn place(&self, z: Complex, tolerance: f64) -> Option<f64> {
+    pub(crate) fn place(&self, z: Complex, tolerance: f64) -> Option<f64> {
         let along = self.way() * (self.arc.curve.place(z) - self.arc.span[0]);
         let period = self.arc.curve.period().unwrap_or(f64::INFINITY);
         let turned = [along, along + period, along - period];
@@ -93,7 +93,7 @@ impl PlaneSide {
     }
 
     /// Distance of a point.
-    pub(in crate::spectral) fn distance(&self, z: Complex) -> f64 {
+    pub(crate) fn distance(&self, z: Complex) -> f64 {
         let [from, to] = [0.0, self.length()].map(|s| self.point(s));
         match self.arc.curve.centre() {
             None => distance([from, to], z),

@@ -5,7 +5,7 @@ use super::ring::PlaneRing;
 use crate::problem::complex::Complex;
 
 /// Way outside of a domain.
-pub(in crate::spectral) struct WayOut {
+pub(crate) struct WayOut {
     /// Points at which it bends; without a ray, the last is its end.
     pub bends: Vec<Complex>,
     /// Direction from the last of them, or the start, to infinity.
@@ -15,7 +15,7 @@ pub(in crate::spectral) struct WayOut {
 impl PlaneDomain {
     /// Way from a point outside of the domain to infinity, or in a hole to its middle, with the fewest bends: in posts
     /// before corners and sides. None if there is none by those.
-    pub(in crate::spectral) fn way_out(&self, z: Complex) -> Option<WayOut> {
+    pub(crate) fn way_out(&self, z: Complex) -> Option<WayOut> {
         let centre = self.centre();
         let middles: Vec<Complex> = self.rings[1..].iter().map(middle).collect();
         let (mut ways, mut posts): (Vec<Vec<Complex>>, _) = (vec![vec![]], None);
@@ -87,7 +87,7 @@ impl PlaneDomain {
 }
 
 /// Middle of a hole: the mean of points of its boundary, or the point of the hole with most room round it.
-pub(in crate::spectral) fn middle(ring: &PlaneRing) -> Complex {
+pub(crate) fn middle(ring: &PlaneRing) -> Complex {
     let mut mean = Complex::default();
     let many = 16.0 * ring.sides.len() as f64;
     for side in &ring.sides {

@@ -61,10 +61,7 @@ use crate::spectral::source::jumps::PlaneJumps;
 ///
 /// # Errors
 /// Step of the proof that does not apply.
-pub(in crate::spectral) fn bracket(
-    setup: &Setup,
-    found: &PlaneFound,
-) -> Result<PlaneBracket, &'static str> {
+pub(crate) fn bracket(setup: &Setup, found: &PlaneFound) -> Result<PlaneBracket, &'static str> {
     let proved = proved(setup, found)?;
     // J(0) = 0 without values of laws.
     let least = if setup.domain.has_values() { f64::INFINITY } else { 0.0 };
@@ -72,7 +69,7 @@ pub(in crate::spectral) fn bracket(
 }
 
 /// Reason for which there is no answer: neither a bracket nor an energy that rounding leaves as it is.
-pub(in crate::spectral) const ROUNDED: &str = "an energy with fewer errors by rounding";
+pub(crate) const ROUNDED: &str = "an energy with fewer errors by rounding";
 
 /// Error of the energy by rounding, over half of the integral of |grad v|^2, above which an energy without a bracket is
 /// none.

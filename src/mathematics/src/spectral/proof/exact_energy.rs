@@ -80,7 +80,7 @@ pub(super) fn bounded_energy(
 }
 
 /// Energy of a fit by points of the boundary, with no bound of its error, and the integral of dv/dn plus that of f.
-pub(in crate::spectral) fn unproved(setup: &Setup, fit: &Fit, nodes: &[PlaneNode]) -> [f64; 2] {
+pub(crate) fn unproved(setup: &Setup, fit: &Fit, nodes: &[PlaneNode]) -> [f64; 2] {
     let mut sum = BoundedEnergy::default();
     sum.add_source(setup, &fit.walk);
     let integrals = Integrals::on_boundary(setup, fit, nodes);

@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 ///
 /// The field `r(x) = 1 / 2 pi int (y - x) / |x - y|^2 g(y) dy` has the divergence -g.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(in crate::spectral) struct Changes {
+pub(crate) struct Changes {
     /// Bound of the integral of |g|.
     pub mass: f64,
     /// Bound of |r|, or of another field of this divergence.
@@ -19,17 +19,17 @@ pub(in crate::spectral) struct Changes {
 const REACH: f64 = 4.0;
 /// Two units in the last place of such points, by which all borders of f may be off: an error of the energy that counts
 /// along them.
-pub(in crate::spectral) const UNITS: f64 = 4.0 * f64::EPSILON;
+pub(crate) const UNITS: f64 = 4.0 * f64::EPSILON;
 
 impl Changes {
     /// |g| is at most `most` on a set with this area: the field is largest in the middle of a disc.
-    pub(in crate::spectral) fn add_area(&mut self, most: f64, area: f64) {
+    pub(crate) fn add_area(&mut self, most: f64, area: f64) {
         self.mass += most * area;
         self.field += most * (area / PI).sqrt();
     }
 
     /// |g| is at most `most` on a disc of this radius.
-    pub(in crate::spectral) fn add_disc(&mut self, most: f64, radius: f64) {
+    pub(crate) fn add_disc(&mut self, most: f64, radius: f64) {
         self.add_area(most, PI * radius * radius);
     }
 
@@ -38,7 +38,7 @@ impl Changes {
     /// With s the distance along it from the place next to x, |x - y| is at least `|s| / pi - width / 2`. Where |s| is
     /// less than `2 pi width` the field is at most that of a disc of this area, `2 most width`, elsewhere `2 most width
     /// log(length / (2 pi width))`.
-    pub(in crate::spectral) fn add_strip(&mut self, most: f64, [width, length]: [f64; 2]) {
+    pub(crate) fn add_strip(&mut self, most: f64, [width, length]: [f64; 2]) {
         self.mass += most * width * length;
         self.field += 2.0 * most * width * (1.0 + libm::log((length / width).max(1.0)));
     }
@@ -48,7 +48,7 @@ impl Changes {
     ///
     /// Their distance is about a quadratic function on the part, at most 5/4 of that, or, on a circle, a constant with
     /// a sine and a cosine, at most 7/3.
-    pub(in crate::spectral) fn add_between(&mut self, most: f64, off: f64, length: f64) {
+    pub(crate) fn add_between(&mut self, most: f64, off: f64, length: f64) {
         if off > UNITS {
             self.add_strip(most, [2.4 * off, length]);
         }
@@ -59,14 +59,14 @@ impl Changes {
     ///
     /// Its distance from that curve is linear or bends one way: by its second differences it is less than six times
     /// that.
-    pub(in crate::spectral) fn add_outside(&mut self, most: f64, off: f64, length: f64) {
+    pub(crate) fn add_outside(&mut self, most: f64, off: f64, length: f64) {
         if off > UNITS {
             self.add_strip(most, [6.0 * off, length]);
         }
     }
 
     /// A curve counts as another one: |g| is at most `most` between both.
-    pub(in crate::spectral) fn add_moved(&mut self, most: f64, curve: Curve, to: Curve) {
+    pub(crate) fn add_moved(&mut self, most: f64, curve: Curve, to: Curve) {
         let (third, length) = match curve.period() {
             Some(turn) if turn < 16.0 * TAU => (turn / 3.0, turn.min(TAU * REACH)),
             _ => (REACH, 2.0 * REACH),
@@ -76,30 +76,26 @@ impl Changes {
     }
 
     /// Curves that overlap count as touching: |g| is at most `most` on what they share.
-    pub(in crate::spectral) fn add_overlap(
-        &mut self,
-        most: f64,
-        Overlap { width, length }: Overlap,
-    ) {
+    pub(crate) fn add_overlap(&mut self, most: f64, Overlap { width, length }: Overlap) {
         self.add_strip(most, [width, length.min(TAU * REACH)]);
     }
 
     /// Points that count as one are joined by pieces of these lengths, and g jumps across these pieces alone, by `most`
     /// at most: g vanishes outside of the sets that they enclose, in which |g| is at most the sum of all jumps. By the
     /// isoperimetric inequality the area is largest if all enclose one disc.
-    pub(in crate::spectral) fn add_joined(&mut self, most: f64, lengths: &[f64]) {
+    pub(crate) fn add_joined(&mut self, most: f64, lengths: &[f64]) {
         let around: f64 = lengths.iter().sum();
         self.add_area(most * lengths.len() as f64, around * around / (4.0 * PI));
     }
 
     /// |g| is at most `most` on a disc of this radius round the origin of the field `-x int t g(t x) dt`.
-    pub(in crate::spectral) fn of_disc(most: f64, radius: f64) -> Self {
+    pub(crate) fn of_disc(most: f64, radius: f64) -> Self {
         Self { mass: most * PI * radius * radius, field: 0.5 * most * radius }
     }
 
     /// Bound of the integral of |r|^2 over a domain in a disc of this radius: `|r|` times the integral of |r|, which is
     /// the mass times that of `1 / 2 pi |x|` over a disc at most.
-    pub(in crate::spectral) fn square(self, radius: f64) -> f64 {
+    pub(crate) fn square(self, radius: f64) -> f64 {
         self.field * self.mass * radius
     }
 }

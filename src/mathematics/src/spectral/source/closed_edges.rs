@@ -7,7 +7,7 @@ use crate::spectral::source::potential::Potential;
 use std::collections::BTreeSet;
 
 /// Edges that are closed, with jumps of a function that is constant in each part of the plane between them.
-pub(in crate::spectral) struct ClosedEdges {
+pub(crate) struct ClosedEdges {
     pub edges: Vec<JumpEdge>,
     jumps: Vec<f64>,
     /// Jumps of f less those.
@@ -16,7 +16,7 @@ pub(in crate::spectral) struct ClosedEdges {
 
 impl ClosedEdges {
     /// Edges that meet no others, and loops of strong jumps among the others.
-    pub(in crate::spectral) fn all(edges: &[JumpEdge]) -> Vec<Self> {
+    pub(crate) fn all(edges: &[JumpEdge]) -> Vec<Self> {
         let mut found = Vec::new();
         for own in connected(edges) {
             let is_closed = own.iter().all(|edge| match edge.arc.ends {
@@ -61,7 +61,7 @@ impl ClosedEdges {
     }
 
     /// Takes its jumps out of a potential.
-    pub(in crate::spectral) fn take_from(&self, potential: &mut Potential) {
+    pub(crate) fn take_from(&self, potential: &mut Potential) {
         for jump in &mut potential.jumps {
             let own = self.edges.iter().position(|edge| holds(jump.arc, edge));
             jump.size = own.map_or(jump.size, |k| self.left[k]);
@@ -71,7 +71,7 @@ impl ClosedEdges {
 
     /// Numbers of its vertices in a potential, in order, and these seen from a point; they lie exactly on lines that
     /// are parallel to an axis.
-    pub(in crate::spectral) fn vertices(
+    pub(crate) fn vertices(
         &self,
         potential: &Potential,
         origin: Complex,
@@ -93,7 +93,7 @@ impl ClosedEdges {
     }
 
     /// Arcs with jumps: edges that follow each other along a curve with the same jump are one.
-    pub(in crate::spectral) fn arcs(&self) -> Vec<(Arc, f64)> {
+    pub(crate) fn arcs(&self) -> Vec<(Arc, f64)> {
         let mut sorted: Vec<(Arc, f64)> =
             self.edges.iter().map(|edge| edge.arc).zip(self.jumps.iter().copied()).collect();
         sorted.sort_by(|(one, _), (other, _)| one.span[0].total_cmp(&other.span[0]));
@@ -121,7 +121,7 @@ impl ClosedEdges {
 }
 
 /// True if an arc holds the middle of an edge.
-pub(in crate::spectral) fn holds(arc: Arc, edge: &JumpEdge) -> bool {
+pub(crate) fn holds(arc: Arc, edge: &JumpEdge) -> bool {
     let after = 0.5 * (edge.arc.span[0] + edge.arc.span[1]) - arc.span[0];
     let after = arc.curve.period().map_or(after, |turn| after.rem_euclid(turn));
     edge.arc.curve == arc.curve && 0.0 < after && after < arc.span[1] - arc.span[0]
@@ -157,6 +157,6 @@ fn connected(edges: &[JumpEdge]) -> Vec<Vec<JumpEdge>> {
 }
 
 /// True if a line is parallel to an axis.
-pub(in crate::spectral) fn is_parallel(Curve { tangent, curvature, .. }: Curve) -> bool {
+pub(crate) fn is_parallel(Curve { tangent, curvature, .. }: Curve) -> bool {
     curvature == 0.0 && (tangent.re == 0.0 || tangent.im == 0.0)
 }

@@ -21,7 +21,7 @@ use crate::spectral::geometry::way_out::WayOut;
 
 /// Piece of a jump inside the domain, between vertices or points of the boundary.
 #[derive(Clone, Debug)]
-pub(in crate::spectral) struct JumpEdge {
+pub(crate) struct JumpEdge {
     pub arc: Arc,
     /// f on the left and on the right.
     pub values: [f64; 2],
@@ -29,12 +29,12 @@ pub(in crate::spectral) struct JumpEdge {
 
 impl JumpEdge {
     /// f on the left less f on the right.
-    pub(in crate::spectral) fn jump(&self) -> f64 {
+    pub(crate) fn jump(&self) -> f64 {
         self.values[0] - self.values[1]
     }
 
     /// True if it is all of a circle.
-    pub(in crate::spectral) fn is_circle(&self) -> bool {
+    pub(crate) fn is_circle(&self) -> bool {
         let Arc { curve, span: [from, to], .. } = self.arc;
         curve.period().is_some_and(|turn| (to - from).abs() > turn - SAME)
     }
@@ -42,7 +42,7 @@ impl JumpEdge {
 
 /// All jumps of f inside a domain.
 #[derive(Clone, Default)]
-pub(in crate::spectral) struct Jumps {
+pub(crate) struct Jumps {
     /// Curves on which f may jump: those of the borders of shapes, and then others of borders of regions.
     curves: Vec<Curve>,
     /// Parts of the curves that are such borders: of one of a shape, all of it.
@@ -66,7 +66,7 @@ pub(in crate::spectral) struct Jumps {
 /// Distance of vertices below which they count as one.
 const NEAR: f64 = 10.0 * SAME;
 /// Distance of a point from the boundary below which it is there.
-pub(in crate::spectral) const APART: f64 = 1e-13;
+pub(crate) const APART: f64 = 1e-13;
 /// Longest way along a curve outside of the domain: psi would grow with the square of the radius.
 const FARTHEST: f64 = 2.0;
 
@@ -91,10 +91,7 @@ impl Jumps {
     /// # Errors
     /// [`PlaneError::NotFound`] if there is no way out of a bay, [`PlaneError::Source`] if jumps do not add up to zero
     /// where they meet.
-    pub(in crate::spectral) fn new(
-        domain: &PlaneDomain,
-        regions: &Regions,
-    ) -> Result<Self, PlaneError> {
+    pub(crate) fn new(domain: &PlaneDomain, regions: &Regions) -> Result<Self, PlaneError> {
         let sources = &regions.pieces;
         let largest = sources.iter().filter_map(Source::largest).fold(0.0, f64::max);
         let mut jumps =

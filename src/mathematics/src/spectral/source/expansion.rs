@@ -14,13 +14,13 @@ const DEGREE: usize = 32;
 const OFF: f64 = 2.0 * f64::EPSILON;
 
 /// Coordinates of polynomials, on a disc round z = 0.
-pub(in crate::spectral) struct Expansion {
+pub(crate) struct Expansion {
     pub frame: Frame,
     pub radius: f64,
 }
 
 /// Polynomial that a part of a formula is.
-pub(in crate::spectral) struct Expanded {
+pub(crate) struct Expanded {
     polynomial: RealPolynomial,
     /// Bound of the size of its error.
     error: f64,
@@ -30,7 +30,7 @@ pub(in crate::spectral) struct Expanded {
 ///
 /// # Errors
 /// A sentence if it is none, or of too high a degree.
-pub(in crate::spectral) fn expanded(
+pub(crate) fn expanded(
     formula: &Formula,
     expansion: &Expansion,
 ) -> Result<(RealPolynomial, f64), String> {

@@ -17,7 +17,7 @@ use std::f64::consts::{PI, TAU};
 
 /// psi outside of a shape, all seen from the middle of its box.
 #[derive(Clone, Debug)]
-pub(in crate::spectral) struct FarField {
+pub(crate) struct FarField {
     pub extent: Extent,
     /// Bound of the integral of |f|, f being that of the shape alone.
     pub mass: f64,
@@ -35,7 +35,7 @@ enum Charges {
 }
 
 /// Sizes of psi, of its gradient, and of the derivatives of that, at a distance from a shape.
-pub(in crate::spectral) struct FarSizes {
+pub(crate) struct FarSizes {
     pub value: f64,
     pub slope: f64,
     pub bend: f64,
@@ -43,7 +43,7 @@ pub(in crate::spectral) struct FarSizes {
 
 impl FarField {
     /// psi of jumps that are closed, in a box.
-    pub(in crate::spectral) fn new(potential: &Potential, extent: Extent) -> Self {
+    pub(crate) fn new(potential: &Potential, extent: Extent) -> Self {
         let ([long, across], curve) = (extent.half, potential.jumps[0].arc.curve);
         let f = potential.jumps[0].size;
         match &potential.jumps[..] {
@@ -82,7 +82,7 @@ impl FarField {
     }
 
     /// True if psi is found so at a point.
-    pub(in crate::spectral) fn holds(&self, z: Complex) -> bool {
+    pub(crate) fn holds(&self, z: Complex) -> bool {
         let is_out = match self.charges {
             Charges::Moments(_) => true,
             Charges::Segments(_) => {
@@ -94,7 +94,7 @@ impl FarField {
     }
 
     /// psi with its gradient.
-    pub(in crate::spectral) fn at(&self, z: Complex) -> (f64, Complex) {
+    pub(crate) fn at(&self, z: Complex) -> (f64, Complex) {
         match &self.charges {
             Charges::Segments(density) => {
                 let Extent { centre, axis, half: [half, across] } = self.extent;
@@ -125,7 +125,7 @@ impl FarField {
     }
 
     /// Bounds of the moduli of all terms at a point where psi is found so.
-    pub(in crate::spectral) fn sizes(&self, z: Complex) -> FarSizes {
+    pub(crate) fn sizes(&self, z: Complex) -> FarSizes {
         let (least, half) = (self.away(z), self.extent.half[0]);
         let most = z.norm() + 2.0 * half;
         let log = libm::log(least).abs().max(libm::log(most).abs());

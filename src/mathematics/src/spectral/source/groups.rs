@@ -15,7 +15,7 @@ use crate::spectral::source::curves::JumpEdge;
 use crate::spectral::source::potential::Potential;
 
 /// Jumps of f, seen from a point.
-pub(in crate::spectral) struct JumpGroup {
+pub(crate) struct JumpGroup {
     pub middle: Complex,
     pub edges: Vec<GroupEdge>,
     /// psi, seen from there.
@@ -28,13 +28,13 @@ pub(in crate::spectral) struct JumpGroup {
 
 impl JumpGroup {
     /// Bound of the distances of its jumps from where they are seen from, in a domain of about unit size round that.
-    pub(in crate::spectral) fn reach(&self) -> f64 {
+    pub(crate) fn reach(&self) -> f64 {
         self.extent.map_or(4.0, |extent| extent.half[0] + extent.half[1])
     }
 }
 
 /// Jump of f with what it bounds.
-pub(in crate::spectral) struct GroupEdge {
+pub(crate) struct GroupEdge {
     pub edge: JumpEdge,
     /// One entry for each side, or one for both if they share a quadratic function.
     pub sides: Vec<PieceSide>,
@@ -42,7 +42,7 @@ pub(in crate::spectral) struct GroupEdge {
 
 /// A side of the border of a piece of f, or of two, in [`quadratic`](super::quadratic)'s integrals.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct PieceSide {
+pub(crate) struct PieceSide {
     pub quadratic: Quadratic,
     /// f, positive if the normal leads out of the piece; the sum of both.
     pub f: f64,
@@ -52,7 +52,7 @@ pub(in crate::spectral) struct PieceSide {
 
 impl PieceSide {
     /// Sum of the pieces on the left and right of a jump, with normals to the right.
-    pub(in crate::spectral) fn of_jump(quadratic: Quadratic, [left, right]: [f64; 2]) -> Self {
+    pub(crate) fn of_jump(quadratic: Quadratic, [left, right]: [f64; 2]) -> Self {
         Self { quadratic, f: left - right, square: (left - right) * (left + right) }
     }
 }
@@ -67,7 +67,7 @@ struct SmallShape {
 }
 
 /// Groups of jumps, first of all that bound no small closed shape, with psi by f at some points of the domain.
-pub(in crate::spectral) fn groups(
+pub(crate) fn groups(
     domain: &PlaneDomain,
     mut potential: Potential,
     mut edges: Vec<JumpEdge>,
@@ -198,7 +198,7 @@ fn seen_from(origin: Complex, arc: Arc, vertices: &[Complex]) -> Arc {
 }
 
 /// Points on the left and on the right of the middle of a jump, nearer to it than the curves of all others.
-pub(in crate::spectral) fn beside_edge<'a>(
+pub(crate) fn beside_edge<'a>(
     edge: &JumpEdge,
     others: impl Iterator<Item = &'a JumpEdge>,
 ) -> [Complex; 2] {

@@ -14,7 +14,7 @@ use crate::spectral::source::{PlaneSource, Regions};
 use std::f64::consts::{PI, TAU};
 
 /// f with psi, its jumps inside of the domain, and where these meet the boundary.
-pub(in crate::spectral) struct PlaneJumps {
+pub(crate) struct PlaneJumps {
     pub psi: Psi,
     /// Jumps, none of a polynomial.
     pub groups: Vec<JumpGroup>,
@@ -31,10 +31,7 @@ pub(in crate::spectral) struct PlaneJumps {
 impl PlaneJumps {
     /// # Errors
     /// [`PlaneError`] if f has parts that are too small, or jumps that do not fit.
-    pub(in crate::spectral) fn new(
-        domain: &PlaneDomain,
-        source: &PlaneSource,
-    ) -> Result<Self, PlaneError> {
+    pub(crate) fn new(domain: &PlaneDomain, source: &PlaneSource) -> Result<Self, PlaneError> {
         match source {
             PlaneSource::Polynomial(f) => Ok(Self {
                 psi: Psi::Polynomial(f.clone()),
@@ -73,7 +70,7 @@ impl PlaneJumps {
     }
 
     /// Distances of a point from the curves of all jumps.
-    pub(in crate::spectral) fn distances(&self, z: Complex) -> impl Iterator<Item = f64> {
+    pub(crate) fn distances(&self, z: Complex) -> impl Iterator<Item = f64> {
         self.groups.iter().flat_map(move |group| {
             let curves = group.edges.iter().map(|own| own.edge.arc.curve);
             curves.map(move |curve| curve.distance(z - group.middle).abs())

@@ -31,10 +31,7 @@ impl Polynomial {
     ///
     /// # Errors
     /// [`PlaneError::Source`] if it is none, or of too high a degree.
-    pub(in crate::spectral) fn of_formula(
-        formula: &Formula,
-        domain: &PlaneDomain,
-    ) -> Result<Self, PlaneError> {
+    pub(crate) fn of_formula(formula: &Formula, domain: &PlaneDomain) -> Result<Self, PlaneError> {
         let (Frame { height, .. }, [xs, ys]) = (domain.frame, domain.extent());
         let seen = xs.into_iter().flat_map(|x| ys.map(|y| Complex::new(x, y).norm()));
         // Arcs are seen in a hundred points.
@@ -64,43 +61,43 @@ impl Polynomial {
     }
 
     /// Units in the last place, over the sums of the moduli of all terms, by which values are off.
-    pub(in crate::spectral) fn units(&self) -> f64 {
+    pub(crate) fn units(&self) -> f64 {
         8.0 + 2.0 * self.psi.degree() as f64
     }
 
     /// f at a point.
-    pub(in crate::spectral) fn value(&self, z: Complex) -> f64 {
+    pub(crate) fn value(&self, z: Complex) -> f64 {
         self.f.value(z)
     }
 
     /// psi at a point.
-    pub(in crate::spectral) fn psi(&self, z: Complex) -> f64 {
+    pub(crate) fn psi(&self, z: Complex) -> f64 {
         self.psi.value(z)
     }
 
     /// Gradient of psi at a point.
-    pub(in crate::spectral) fn psi_gradient(&self, z: Complex) -> Complex {
+    pub(crate) fn psi_gradient(&self, z: Complex) -> Complex {
         self.psi.gradient(z)
     }
 
     /// The function r with `int f = oint (x.n) r`: each term over its degree plus 2.
-    pub(in crate::spectral) fn radial(&self, z: Complex) -> f64 {
+    pub(crate) fn radial(&self, z: Complex) -> f64 {
         self.radial.value(z)
     }
 
     /// The function r with `int f psi = oint (x.n) r`.
-    pub(in crate::spectral) fn radial_with_psi(&self, z: Complex) -> f64 {
+    pub(crate) fn radial_with_psi(&self, z: Complex) -> f64 {
         self.radial_with_psi.value(z)
     }
 
     /// Bound of the modulus of that for |z| up to a radius.
-    pub(in crate::spectral) fn product_modulus(&self, radius: f64) -> f64 {
+    pub(crate) fn product_modulus(&self, radius: f64) -> f64 {
         self.radial_with_psi.size(radius)
     }
 
     /// Bounds of the moduli of f, of psi and of the gradient of psi for |z| up to a radius, also for complex
     /// coordinates with z and conj(z) up to that radius each.
-    pub(in crate::spectral) fn moduli(&self, radius: f64) -> [f64; 3] {
+    pub(crate) fn moduli(&self, radius: f64) -> [f64; 3] {
         let slope = self.psi.weighted(|k, m| (2 * k + m) as f64).size(radius) / radius;
         [self.f.size(radius), self.psi.size(radius), if radius > 0.0 { slope } else { 0.0 }]
     }

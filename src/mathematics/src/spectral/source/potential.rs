@@ -18,7 +18,7 @@ use std::f64::consts::{PI, TAU};
 /// for k = 0 the first term is one of the constants. Nothing cancels where k is small. Inside a circle the logarithm
 /// is taken less its value `i k s` at the centre, where nu vanishes.
 #[derive(Clone, Default)]
-pub(in crate::spectral) struct Potential {
+pub(crate) struct Potential {
     /// Ends of jumps.
     pub vertices: Vec<Complex>,
     pub jumps: Vec<Jump>,
@@ -32,7 +32,7 @@ pub(in crate::spectral) struct Potential {
 
 /// A jump of f along an arc, whose ends are vertices or at infinity, or that is a whole circle.
 #[derive(Clone)]
-pub(in crate::spectral) struct Jump {
+pub(crate) struct Jump {
     pub arc: Arc,
     /// f on the left less f on the right.
     pub size: f64,
@@ -42,7 +42,7 @@ pub(in crate::spectral) struct Jump {
 
 impl Potential {
     /// Adds a jump, of the given size.
-    pub(in crate::spectral) fn add(&mut self, arc: Arc, size: f64) {
+    pub(crate) fn add(&mut self, arc: Arc, size: f64) {
         let tangent = arc.curve.tangent;
         let far = match arc.ends {
             _ if arc.curve.curvature > 0.0 => 0.0,
@@ -52,11 +52,7 @@ impl Potential {
     }
 
     /// Finds the difference of f and the jumps, from f at some points.
-    pub(in crate::spectral) fn find_background(
-        &mut self,
-        points: &[Complex],
-        f: impl Fn(Complex) -> f64,
-    ) {
+    pub(crate) fn find_background(&mut self, points: &[Complex], f: impl Fn(Complex) -> f64) {
         // The difference is the same at all points but for rounding, and those that are too near to a jump.
         let mut rest: Vec<f64> = points.iter().map(|&z| f(z)).collect();
         self.add_jumps(points, -1.0, &mut rest);
@@ -69,7 +65,7 @@ impl Potential {
     }
 
     /// Adds f at points, but for the background, times a sign.
-    pub(in crate::spectral) fn add_jumps(&self, points: &[Complex], sign: f64, sums: &mut [f64]) {
+    pub(crate) fn add_jumps(&self, points: &[Complex], sign: f64, sums: &mut [f64]) {
         let (logs, mut ratios) = (self.logs(points), points.to_vec());
         for jump in &self.jumps {
             jump.log_ratios(&logs, &mut ratios);
@@ -82,7 +78,7 @@ impl Potential {
     }
 
     /// Gradients of psi at points: the central function of this file.
-    pub(in crate::spectral) fn gradients(&self, points: &[Complex]) -> Vec<Complex> {
+    pub(crate) fn gradients(&self, points: &[Complex]) -> Vec<Complex> {
         vectorised(
             #[inline(always)]
             || {
@@ -102,7 +98,7 @@ impl Potential {
 
     /// log(v - z) for the vertices v and the points z, vertex by vertex.
     #[inline(always)]
-    pub(in crate::spectral) fn logs(&self, points: &[Complex]) -> Vec<Complex> {
+    pub(crate) fn logs(&self, points: &[Complex]) -> Vec<Complex> {
         let mut logs = vec![Complex::default(); points.len() * self.vertices.len()];
         for (logs, &v) in logs.chunks_exact_mut(points.len()).zip(&self.vertices) {
             // At a vertex, where it is finite here, the factors of the logarithm vanish.
@@ -128,7 +124,7 @@ impl Jump {
 
     /// log(b - z) - log(a - z) for the ends a and b and the points z.
     #[inline(always)]
-    pub(in crate::spectral) fn log_ratios(&self, logs: &[Complex], ratios: &mut [Complex]) {
+    pub(crate) fn log_ratios(&self, logs: &[Complex], ratios: &mut [Complex]) {
         let many = ratios.len();
         ratios.fill(Complex::new(0.0, self.far));
         for (end, sign) in self.arc.ends.into_iter().zip([-1.0, 1.0]) {
@@ -142,11 +138,7 @@ impl Jump {
     /// log((b - z) / (a - z)), less i times the sweep on the left of the curve, from a value of this logarithm that may
     /// be off by whole turns.
     #[inline(always)]
-    pub(in crate::spectral) fn logarithm(
-        &self,
-        Complex { re, im }: Complex,
-        power: f64,
-    ) -> Complex {
+    pub(crate) fn logarithm(&self, Complex { re, im }: Complex, power: f64) -> Complex {
         let sweep = self.sweep();
         let half = 0.5 * (PI - sweep);
         // No more than a quarter of a turn from the middle of what it can be on this side.

@@ -16,14 +16,14 @@ use std::ops::Add;
 
 /// psi with `-Lap psi = f`.
 #[derive(Clone)]
-pub(in crate::spectral) enum Psi {
+pub(crate) enum Psi {
     Jumps(Vec<PsiPart>),
     Polynomial(Polynomial),
 }
 
 /// Part of psi that belongs to some jumps, seen from a point.
 #[derive(Clone)]
-pub(in crate::spectral) struct PsiPart {
+pub(crate) struct PsiPart {
     pub middle: Complex,
     pub potential: Potential,
     /// psi away from these jumps, if they are those of a small closed shape.
@@ -32,11 +32,7 @@ pub(in crate::spectral) struct PsiPart {
 
 impl PsiPart {
     /// Part of jumps, seen from a point, with their gradients as those of [`Psi::value`].
-    pub(in crate::spectral) fn new(
-        middle: Complex,
-        mut potential: Potential,
-        far: Option<FarField>,
-    ) -> Self {
+    pub(crate) fn new(middle: Complex, mut potential: Potential, far: Option<FarField>) -> Self {
         let mut constant = Complex::default();
         for Jump { arc, size, .. } in &potential.jumps {
             let [a, b] = arc.span;
@@ -51,12 +47,12 @@ impl PsiPart {
     }
 
     /// psi away from the jumps, if a point is there.
-    pub(in crate::spectral) fn far_from(&self, z: Complex) -> Option<&FarField> {
+    pub(crate) fn far_from(&self, z: Complex) -> Option<&FarField> {
         self.far.as_ref().filter(|far| far.holds(z - self.middle))
     }
 
     /// Adds a quantity at points: where psi is found from far away by `far`, elsewhere by `near`.
-    pub(in crate::spectral) fn add<T: Copy + Add<Output = T>>(
+    pub(crate) fn add<T: Copy + Add<Output = T>>(
         &self,
         points: &[Complex],
         sums: &mut [T],
@@ -91,7 +87,7 @@ impl PsiPart {
     }
 
     /// f of these jumps, with their background.
-    pub(in crate::spectral) fn source(&self, z: Complex) -> f64 {
+    pub(crate) fn source(&self, z: Complex) -> f64 {
         let mut f = [self.potential.background];
         if self.far_from(z).is_none() {
             self.potential.add_jumps(&[z - self.middle], 1.0, &mut f);
@@ -102,7 +98,7 @@ impl PsiPart {
 
 impl Psi {
     /// psi of jumps, from f at some points of the domain, with those of small closed shapes.
-    pub(in crate::spectral) fn of_jumps(
+    pub(crate) fn of_jumps(
         mut potential: Potential,
         small: Vec<PsiPart>,
         points: &[Complex],
@@ -115,7 +111,7 @@ impl Psi {
     }
 
     /// This function, with all seen from another point.
-    pub(in crate::spectral) fn seen_from(&self, origin: Complex) -> Self {
+    pub(crate) fn seen_from(&self, origin: Complex) -> Self {
         let mut seen = self.clone();
         if let Self::Jumps(parts) = &mut seen {
             parts.iter_mut().for_each(|part| part.middle = part.middle - origin);
@@ -124,7 +120,7 @@ impl Psi {
     }
 
     /// Parts of jumps, none of a polynomial.
-    pub(in crate::spectral) fn parts(&self) -> &[PsiPart] {
+    pub(crate) fn parts(&self) -> &[PsiPart] {
         match self {
             Self::Jumps(parts) => parts,
             Self::Polynomial(_) => &[],
@@ -132,7 +128,7 @@ impl Psi {
     }
 
     /// Gradients at points.
-    pub(in crate::spectral) fn gradients(&self, points: &[Complex]) -> Vec<Complex> {
+    pub(crate) fn gradients(&self, points: &[Complex]) -> Vec<Complex> {
         match self {
             Self::Jumps(parts) => {
                 let mut sums = vec![Complex::default(); points.len()];
@@ -144,7 +140,7 @@ impl Psi {
     }
 
     /// Values at points.
-    pub(in crate::spectral) fn values(&self, points: &[Complex]) -> Vec<f64> {
+    pub(crate) fn values(&self, points: &[Complex]) -> Vec<f64> {
         match self {
             Self::Jumps(parts) => {
                 let mut sums = vec![0.0; points.len()];
@@ -156,12 +152,12 @@ impl Psi {
     }
 
     /// psi at a point.
-    pub(in crate::spectral) fn value(&self, z: Complex) -> f64 {
+    pub(crate) fn value(&self, z: Complex) -> f64 {
         self.values(&[z])[0]
     }
 
     /// f at a point, where psi belongs to jumps off them.
-    pub(in crate::spectral) fn source(&self, z: Complex) -> f64 {
+    pub(crate) fn source(&self, z: Complex) -> f64 {
         match self {
             Self::Polynomial(f) => f.value(z),
             Self::Jumps(parts) => parts.iter().map(|part| part.source(z)).sum(),

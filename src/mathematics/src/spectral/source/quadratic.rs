@@ -12,7 +12,7 @@ use crate::spectral::geometry::curve::Arc;
 
 /// Box round a shape.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct Extent {
+pub(crate) struct Extent {
     pub centre: Complex,
     /// Direction of its longer sides.
     pub axis: Complex,
@@ -22,7 +22,7 @@ pub(in crate::spectral) struct Extent {
 
 impl Extent {
     /// Box round arcs whose sides are parallel to the longest straight one.
-    pub(in crate::spectral) fn of(arcs: &[Arc]) -> Self {
+    pub(crate) fn of(arcs: &[Arc]) -> Self {
         let mut longest = (0.0, Complex::new(1.0, 0.0));
         for Arc { curve, span: [from, to], .. } in arcs {
             let length = (to - from).abs();
@@ -48,12 +48,12 @@ impl Extent {
     }
 
     /// Coordinates of a point along the longer and the shorter sides, from the centre.
-    pub(in crate::spectral) fn local(&self, z: Complex) -> [f64; 2] {
+    pub(crate) fn local(&self, z: Complex) -> [f64; 2] {
         (self.axis.conj() * (z - self.centre)).coordinates()
     }
 
     /// Distance of a point from the box.
-    pub(in crate::spectral) fn distance(&self, z: Complex) -> f64 {
+    pub(crate) fn distance(&self, z: Complex) -> f64 {
         let [x, y] = self.local(z);
         let [x, y] = [x.abs() - self.half[0], y.abs() - self.half[1]].map(|beyond| beyond.max(0.0));
         (x * x + y * y).sqrt()
@@ -74,7 +74,7 @@ fn outline(arc: Arc) -> Vec<(Complex, f64)> {
 
 /// `(a x^2 + (1 - a) y^2) / 2` with x along an axis from a centre.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral) struct Quadratic {
+pub(crate) struct Quadratic {
     pub centre: Complex,
     axis: Complex,
     /// a.
@@ -83,30 +83,30 @@ pub(in crate::spectral) struct Quadratic {
 
 impl Quadratic {
     /// `|x - centre|^2 / 4`.
-    pub(in crate::spectral) const fn round(centre: Complex) -> Self {
+    pub(crate) const fn round(centre: Complex) -> Self {
         Self { centre, axis: Complex::new(1.0, 0.0), along: 0.5 }
     }
 
     /// That of a piece in a box.
-    pub(in crate::spectral) fn of(Extent { centre, axis, half: [long, across] }: Extent) -> Self {
+    pub(crate) fn of(Extent { centre, axis, half: [long, across] }: Extent) -> Self {
         let along = across * across / (long * long + across * across);
         Self { centre, axis, along }
     }
 
     /// This function, with all seen from another point.
-    pub(in crate::spectral) fn seen_from(self, origin: Complex) -> Self {
+    pub(crate) fn seen_from(self, origin: Complex) -> Self {
         Self { centre: self.centre - origin, ..self }
     }
 
     /// Value with gradient.
-    pub(in crate::spectral) fn at(&self, z: Complex) -> (f64, Complex) {
+    pub(crate) fn at(&self, z: Complex) -> (f64, Complex) {
         let seen = self.axis.conj() * (z - self.centre);
         let slope = Complex::new(self.along * seen.re, (1.0 - self.along) * seen.im);
         (0.5 * slope.dot(seen), self.axis * slope)
     }
 
     /// Bounds of the distance from the centre, of the value and of the gradient on a disc, in complex coordinates.
-    pub(in crate::spectral) fn bounds(&self, centre: Complex, radius: f64) -> [f64; 3] {
+    pub(crate) fn bounds(&self, centre: Complex, radius: f64) -> [f64; 3] {
         let seen = self.axis.conj() * (centre - self.centre);
         let [x, y] = [seen.re.abs() + radius, seen.im.abs() + radius];
         let [a, b] = [self.along * x, (1.0 - self.along) * y];

@@ -5,41 +5,41 @@ use crate::problem::complex::Complex;
 
 /// Polynomial with real values: the sum of `Re(c z^m) |z|^(2k)`.
 #[derive(Clone, Debug, Default)]
-pub(in crate::spectral) struct RealPolynomial {
+pub(crate) struct RealPolynomial {
     /// Coefficients c by k, and then by m.
     pub rows: Vec<Vec<Complex>>,
 }
 
 impl RealPolynomial {
     /// `Re(c z^m)`, the terms in the order of m.
-    pub(in crate::spectral) fn harmonic(coefficients: Vec<Complex>) -> Self {
+    pub(crate) fn harmonic(coefficients: Vec<Complex>) -> Self {
         Self { rows: vec![coefficients] }
     }
 
     /// Value at z = 0.
-    pub(in crate::spectral) fn constant(&self) -> f64 {
+    pub(crate) fn constant(&self) -> f64 {
         self.rows.first().and_then(|row| row.first()).map_or(0.0, |c| c.re)
     }
 
     /// Degree at most.
-    pub(in crate::spectral) fn degree(&self) -> usize {
+    pub(crate) fn degree(&self) -> usize {
         let degrees = self.rows.iter().enumerate().map(|(k, row)| 2 * k + row.len());
         degrees.max().unwrap_or(1).saturating_sub(1)
     }
 
     /// Terms with k, m and the coefficient.
-    pub(in crate::spectral) fn all(&self) -> impl Iterator<Item = (usize, usize, Complex)> {
+    pub(crate) fn all(&self) -> impl Iterator<Item = (usize, usize, Complex)> {
         let rows = self.rows.iter().enumerate();
         rows.flat_map(|(k, row)| row.iter().enumerate().map(move |(m, c)| (k, m, *c)))
     }
 
     /// Number of terms that are not zero.
-    pub(in crate::spectral) fn terms(&self) -> usize {
+    pub(crate) fn terms(&self) -> usize {
         self.all().filter(|(_, _, c)| *c != Complex::default()).count()
     }
 
     /// Bound of the modulus for |z| up to a radius: the sum of those of all terms.
-    pub(in crate::spectral) fn size(&self, radius: f64) -> f64 {
+    pub(crate) fn size(&self, radius: f64) -> f64 {
         let mut power = 1.0;
         let mut sum = 0.0;
         for row in &self.rows {
@@ -51,7 +51,7 @@ impl RealPolynomial {
     }
 
     /// Each term times a weight by k and m.
-    pub(in crate::spectral) fn weighted(&self, weight: impl Fn(usize, usize) -> f64) -> Self {
+    pub(crate) fn weighted(&self, weight: impl Fn(usize, usize) -> f64) -> Self {
         let mut rows = self.rows.clone();
         for (k, row) in rows.iter_mut().enumerate() {
             row.iter_mut().enumerate().for_each(|(m, c)| *c = c.scaled(weight(k, m)));
@@ -60,13 +60,13 @@ impl RealPolynomial {
     }
 
     /// Times `|z|^2`.
-    pub(in crate::spectral) fn raised(mut self) -> Self {
+    pub(crate) fn raised(mut self) -> Self {
         self.rows.insert(0, Vec::new());
         self
     }
 
     /// Sum, and a bound of the moduli of its terms that were rounded, for |z| up to a radius.
-    pub(in crate::spectral) fn plus(&self, other: &Self, radius: f64) -> (Self, f64) {
+    pub(crate) fn plus(&self, other: &Self, radius: f64) -> (Self, f64) {
         let (mut sum, mut rounded) = (self.clone(), 0.0);
         for (k, m, c) in other.all() {
             let own = sum.at(k, m);
@@ -81,7 +81,7 @@ impl RealPolynomial {
 
     /// Product by `Re a Re b = 1/2 Re(a b) + 1/2 Re(a conj b)`, and a bound of its error by rounding for |z| up to a
     /// radius: the sum of all remainders, which are known.
-    pub(in crate::spectral) fn times(&self, other: &Self, radius: f64) -> (Self, f64) {
+    pub(crate) fn times(&self, other: &Self, radius: f64) -> (Self, f64) {
         let (mut product, mut error) = (Self::default(), 0.0);
         for (k, m, a) in self.all().filter(|(_, _, a)| *a != Complex::default()) {
             for (l, n, b) in other.all().filter(|(_, _, b)| *b != Complex::default()) {
@@ -96,7 +96,7 @@ impl RealPolynomial {
     }
 
     /// Coefficient by k and m, which is zero if it was not there.
-    pub(in crate::spectral) fn at(&mut self, k: usize, m: usize) -> &mut Complex {
+    pub(crate) fn at(&mut self, k: usize, m: usize) -> &mut Complex {
         if self.rows.len() <= k {
             self.rows.resize(k + 1, Vec::new());
         }
@@ -108,7 +108,7 @@ impl RealPolynomial {
     }
 
     /// Value at a point.
-    pub(in crate::spectral) fn value(&self, z: Complex) -> f64 {
+    pub(crate) fn value(&self, z: Complex) -> f64 {
         let square = z.norm2();
         let rows = self.rows.iter().rev();
         rows.fold(0.0, |sum, row| {
@@ -118,7 +118,7 @@ impl RealPolynomial {
     }
 
     /// Gradient at a point: `|z|^(2k) conj(m c z^(m-1)) + 2k |z|^(2k-2) Re(c z^m) z`.
-    pub(in crate::spectral) fn gradient(&self, z: Complex) -> Complex {
+    pub(crate) fn gradient(&self, z: Complex) -> Complex {
         let square = z.norm2();
         let (mut slopes, mut along) = (Complex::default(), 0.0);
         for (k, row) in self.rows.iter().enumerate().rev() {
