@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Difference of two values that rounding errors may make, over the largest value.
-const SAME: f64 = 1e-12;
+pub(crate) const SAME: f64 = 1e-12;
 
 /// Law on a part of the boundary, or at a node: the value that v leaves only where the flux is at an end of an
 /// interval.

@@ -7,15 +7,13 @@ use crate::discrete::kkt::Judgement;
 use crate::discrete::nested::DiscreteLevels;
 use crate::discrete::network::Network;
 use crate::levels::{Problem, ProblemError, read};
-use crate::mesh::PlaneMesh;
+use crate::mesh::{BuiltIn, PlaneMesh};
 use crate::multigrid::active_set::active_set as solve_by_states;
 use crate::multigrid::{Goal, InputError, MultigridParams};
 use crate::multilevel::solve_nested_networks;
 use crate::problem::source::Source;
 use crate::saddle::{Monitor, NestedRun, Pair, Params, solve_nested_together};
-use crate::spectral::{
-    PlaneError, TrueSolution, check_plane, true_solution_on, true_solution_on_square,
-};
+use crate::spectral::{PlaneError, TrueSolution, check_plane, true_solution_on};
 use crate::square::multigrid::solve_square;
 use std::borrow::Cow;
 
@@ -276,10 +274,14 @@ impl Problem {
     /// # Errors
     /// [`Refusal::Spectral`], and [`Refusal::NotInSpace`].
     pub fn true_solution(&self) -> Result<TrueSolution, Refusal> {
-        match self.lattices() {
-            Some(lattices) => Ok(true_solution_on_square(lattices.source(), lattices.law())?),
-            None => on_coarsest(self, true_solution_on),
-        }
+        let Some(lattices) = self.lattices() else { return on_coarsest(self, true_solution_on) };
+        let square = BuiltIn::Square.plane().expect("the square lies in the plane");
+        let mesh = square.with_law(lattices.law());
+        let mut found = true_solution_on(&mesh, std::slice::from_ref(lattices.source()))?;
+        // The boundary of the square has no parts.
+        found.contact.iter_mut().for_each(|arc| arc.part = None);
+        found.forces.clear();
+        Ok(found)
     }
 }
 

@@ -66,7 +66,8 @@ pub(crate) fn conditions(setup: &Setup, walk: &Walk, spots: &[Spot]) -> Vec<f64>
     for (k, spot) in spots.iter().enumerate() {
         if is_held(spot) {
             let psi = held.next().expect("a value for each such spot");
-            values.push(-(psi - walk.intervals[spot.interval].law.at()));
+            let side = setup.domain.side(&walk.intervals[spot.interval]);
+            values.push(-(psi - setup.domain.value(side, spot.z).0));
             continue;
         }
         if between[k].is_empty() {
@@ -161,6 +162,8 @@ impl Effort {
     }
 }
 
+/// Length of the shortest panel, in halves of an interval.
+const SHORTEST: f64 = 1e-4;
 /// Least number of rows per column.
 const ROWS: f64 = 2.5;
 
@@ -170,10 +173,10 @@ impl Fit {
         setup.set_f(&mut walk);
         let mut functions = Functions::chosen(setup, &walk, level);
         let (rule, mut fineness) = (gauss(level.nodes), 1.0);
-        let mut panels = panels(setup, &walk, &functions, level, [fineness, level.shortest]);
+        let mut panels = panels(setup, &walk, &functions, level, [fineness, SHORTEST]);
         while ((panels.len() * rule.len()) as f64) < ROWS * functions.unknowns() as f64 {
             fineness *= 1.4;
-            panels = self::panels(setup, &walk, &functions, level, [fineness, level.shortest]);
+            panels = self::panels(setup, &walk, &functions, level, [fineness, SHORTEST]);
         }
         let spots = spots_on(&walk, &panels, rule);
         functions.orthogonalise(&spots, level.degree);

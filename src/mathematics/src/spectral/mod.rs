@@ -49,4 +49,4 @@ mod truth;
 
 pub use error::PlaneError;
 pub use solution::{PlaneChecks, TrueSolution};
-pub(crate) use truth::{check_plane, true_solution_on, true_solution_on_square};
+pub(crate) use truth::{check_plane, true_solution_on};

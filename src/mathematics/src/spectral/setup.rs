@@ -38,9 +38,8 @@ pub(crate) struct Level {
     pub hole: usize,
     /// Poles on the medial axis outside of the domain, per radius of the discs there; zero for none.
     pub poles: f64,
-    /// Gauss points of a panel, and length of the shortest, in halves of an interval.
+    /// Gauss points of a panel.
     pub nodes: usize,
-    pub shortest: f64,
     /// Step of the ends, in perimeters, below which they are found.
     pub found: f64,
     /// Size below which steps that no longer fall are at rest.
@@ -60,7 +59,6 @@ impl Level {
         hole: 8,
         poles: 2.0,
         nodes: 5,
-        shortest: 1e-4,
         found: 1e-5,
         noise: 1e-3,
         enough: 3e-10,
@@ -75,7 +73,6 @@ impl Level {
         hole: 12,
         poles: 3.5,
         nodes: 6,
-        shortest: 1e-4,
         found: 1e-7,
         noise: 1e-6,
         enough: 1e-12,

@@ -4,10 +4,10 @@ use super::contact::ends::arcs;
 use super::contact::search::{self, PlaneFound};
 use super::contact::start::PlaneStart;
 use super::fit::Effort;
-use super::fit::field::{self, share};
+use super::fit::field::share;
 use super::geometry::boundary::State;
 use super::geometry::panels::Spot;
-use super::geometry::side::SidePlace;
+use super::geometry::side::PlaneSide;
 use super::problem::PlaneProblem;
 use super::proof;
 use super::setup::Setup;
@@ -21,8 +21,8 @@ use std::fmt;
 
 /// Distance of the bounds, over the energy, from which on they are wide.
 const WIDE: f64 = 1e-6;
-/// Distances from corners, over the length of the side, at which v, and its derivatives, are taken for them.
-const BESIDE: [f64; 2] = [1e-15, 1e-6];
+/// Distance from a corner, over the length of the side, at which derivatives are taken for it.
+const BESIDE: f64 = 1e-6;
 
 /// Conditions that must hold of a solution and were not used to find it.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -163,7 +163,8 @@ impl fmt::Display for PlaneChecks {
             .map(|least| plain(if least.abs() < f64::EPSILON { 0.0 } else { least }, 2));
         write!(
             out,
-            "v where it is zero {residual:.1e}, balance {balance:.1e}, least room of the flux {flux}, least v {sign}"
+            "v off its value where it sticks {residual:.1e}, balance {balance:.1e}, least room of the flux {flux}, least v \
+             beyond it {sign}"
         )?;
         bracket.map_or(Ok(()), |bracket| write!(out, ", bounds apart by {bracket:.1e}"))
     }
@@ -235,8 +236,7 @@ pub(super) fn solve(
     let unit = setup.domain.frame.of_value();
     let mut forces: BTreeMap<String, f64> = BTreeMap::new();
     for node in nodes {
-        let side = fit.walk.intervals[node.spot.interval].side;
-        let part = setup.domain.rings[node.ring].sides[side].part;
+        let part = setup.domain.side(&fit.walk.intervals[node.spot.interval]).part;
         if let Some(names) = setup.domain.parts.get(part) {
             *forces.entry(names.to_string()).or_default() += unit * node.spot.weight * node.flux;
         }
@@ -277,6 +277,12 @@ impl PlaneSolution {
         spots.iter().zip(g).map(|(spot, g)| unit * (psi.value(spot.z) + g.re)).collect()
     }
 
+    /// Gradient at a point of the closed domain but a corner, in the coordinates of the frame.
+    fn gradient(&self, z: Complex) -> Complex {
+        let [_, slopes] = self.found.fit.at(&[Spot::inside(z)], true);
+        self.setup.jumps.psi.gradients(&[z])[0] + slopes[0].conj()
+    }
+
     /// v and its gradient at a point of the closed domain; in a corner, where the gradient may be infinite, that a
     /// little beside it; none outside of the domain.
     pub(super) fn at(&self, point: [f64; 2]) -> Option<(f64, [f64; 2])> {
@@ -286,27 +292,15 @@ impl PlaneSolution {
         let value = match domain.distance(z) {
             away if away <= 8.0 * f64::EPSILON * (domain.diameter() + size) => {
                 let (ring, place) = domain.nearest(z);
-                let beside = self.beside_corners(ring, place, BESIDE[1]);
-                z = domain.rings[ring].sides[beside.side].point(beside.s);
+                let side = &domain.rings[ring].sides[place.side];
+                z = side.point(beside_corners(side, place.s));
                 self.on_boundary(point)[0]
             }
             _ if domain.holds(z) => self.values(&[point])[0],
             _ => return None,
         };
-        let [_, slopes] = self.found.fit.at(&[Spot::inside(z)], true);
-        let gradient = self.setup.jumps.psi.gradients(&[z])[0] + slopes[0].conj();
-        Some((value, gradient.scaled(domain.frame.of_flux()).coordinates()))
-    }
-
-    /// Place no nearer to the ends of its side than this part of it.
-    fn beside_corners(
-        &self,
-        ring: usize,
-        SidePlace { side, s }: SidePlace,
-        part: f64,
-    ) -> SidePlace {
-        let length = self.setup.domain.rings[ring].sides[side].length();
-        SidePlace { side, s: s.clamp(part * length, (1.0 - part) * length) }
+        let gradient = self.gradient(z).scaled(domain.frame.of_flux());
+        Some((value, gradient.coordinates()))
     }
 
     /// v and dv/dn at the point of the boundary nearest to this one; dv/dn, which may be infinite in a corner, a little
@@ -315,12 +309,14 @@ impl PlaneSolution {
         let domain = &self.setup.domain;
         let (ring, place) = domain.nearest(self.seen(point));
         let own = &domain.rings[ring];
-        let [[value, _], [_, flux]] =
-            BESIDE.map(|part| self.found_at(ring, self.beside_corners(ring, place, part)));
+        let value = self.values(&[point])[0] / domain.frame.of_value();
+        let s = beside_corners(&own.sides[place.side], place.s);
+        let outwards = -own.sides[place.side].tangent(s).turned();
+        let flux = self.gradient(own.sides[place.side].point(s)).dot(outwards);
         // On one of both sides of each condition the number is known without error.
-        let (law, contact) = (own.sides[place.side].law, &self.found.contact[ring]);
-        let slips =
-            if value < law.at() { BoundaryState::SlipsDown } else { BoundaryState::SlipsUp };
+        let (side, contact) = (&own.sides[place.side], &self.found.contact[ring]);
+        let (law, (at, _)) = (side.law, domain.value(side, side.point(place.s)));
+        let slips = if value < at { BoundaryState::SlipsDown } else { BoundaryState::SlipsUp };
         let state = match contact.state(own.along(place), own.length()) {
             _ if law.is_free() => slips,
             BoundaryState::Sticks => BoundaryState::Sticks,
@@ -328,34 +324,17 @@ impl PlaneSolution {
             _ => slips,
         };
         let [value, flux] = match State::under(law, state) {
-            State::Held => [law.at(), law.project(flux)],
+            State::Held => [at, law.project(flux)],
             State::Flux(q) => [value, q],
         };
         [domain.frame.of_value() * value, domain.frame.of_flux() * flux]
     }
+}
 
-    /// v and dv/dn as they were found, at a place of a loop in the coordinates of the frame.
-    fn found_at(&self, ring: usize, place: SidePlace) -> [f64; 2] {
-        let walk = &self.found.fit.walk;
-        let mut nearest = (f64::INFINITY, 0);
-        for (k, own) in walk.intervals.iter().enumerate() {
-            if own.ring == ring && own.side == place.side {
-                let after = place.s - own.from;
-                let beyond = (-after).max(after - own.length);
-                if beyond < nearest.0 {
-                    nearest = (beyond, k);
-                }
-            }
-        }
-        let own = &walk.intervals[nearest.1];
-        let after = (place.s - own.from).clamp(0.0, own.length);
-        let spot = match after < 0.5 * own.length {
-            true => walk.spot(nearest.1, 0, after, 0.0),
-            false => walk.spot(nearest.1, 1, own.length - after, 0.0),
-        };
-        let node = &field::nodes_at(&self.setup, &self.found.fit, &[spot])[0];
-        [node.value, node.flux]
-    }
+/// Distance along a side, no nearer to its ends than a small part of it.
+fn beside_corners(side: &PlaneSide, s: f64) -> f64 {
+    let length = side.length();
+    s.clamp(BESIDE * length, (1.0 - BESIDE) * length)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //!
 //! Of constant pieces: [`curves`] finds the curves across which f jumps, [`jumps`] has f with psi, whose gradient is a
 //! sum over the jumps ([`potential`]) and whose values are in [`psi`]; small closed shapes are seen from their own
-//! middles ([`groups`]). Of formulas: [`expansion`] multiplies them out to a [`polynomial`].
+//! middles ([`groups`]). Of formulas: [`expansion`] multiplies them out to a [`smooth`] function.
 //!
 //! Borders between [`regions`] of a mesh on which f differs are the polygons that the edges of the mesh are. No part of
 //! a mesh lies inside of it, so that no circle can be named for a border.
@@ -14,11 +14,11 @@ pub(super) mod expansion;
 pub(super) mod far_field;
 pub(super) mod groups;
 pub(super) mod jumps;
-pub(super) mod polynomial;
 pub(super) mod potential;
 pub(super) mod psi;
 pub(super) mod quadratic;
 pub(super) mod real_polynomial;
+pub(super) mod smooth;
 
 use crate::mesh::PlaneMesh;
 use crate::problem::complex::Complex;
@@ -29,7 +29,7 @@ use crate::spectral::geometry::domain::{directions, ray_hits};
 use crate::spectral::geometry::frame::Frame;
 use crate::spectral::geometry::outline::{MeshOutline, OutlineEdge};
 use crate::spectral::geometry::side::PlaneSide;
-use polynomial::Polynomial;
+use smooth::SmoothSource;
 use std::collections::BTreeMap;
 
 /// Right-hand side of a domain in the plane.
@@ -37,8 +37,8 @@ use std::collections::BTreeMap;
 pub(crate) enum PlaneSource {
     /// Constant pieces on regions.
     Pieces(Regions),
-    /// A polynomial, in the coordinates of the domain's frame.
-    Polynomial(Polynomial),
+    /// A polynomial with waves, in the coordinates of the domain's frame.
+    Smooth(SmoothSource),
 }
 
 /// Constant pieces on regions with straight borders, and circular ones along the boundary of the domain.

@@ -1,34 +1,16 @@
 //! Ways to the true solution on all connected components of a domain.
 
-use super::contact::start::DiscreteStart;
+use super::contact::start::PlaneStart;
 use super::fit::Effort;
 use super::problem::PlaneProblem;
 use super::solution::{TrueSolution, solve};
-use crate::mesh::{BuiltIn, PlaneMesh};
-use crate::problem::law::Law;
+use crate::mesh::PlaneMesh;
 use crate::problem::source::Source;
 use crate::spectral::error::PlaneError;
-use crate::spectral::geometry::domain::PlaneDomain;
-use crate::square::load::integral;
 
 /// Nodes, at most, of the meshes whose solutions are starts in turn, on a domain with at most so many sides.
 const STARTS: [f64; 2] = [6e3, 6e4];
 const SIDES: f64 = 20.0;
-/// Cells per side of the grids whose solutions are starts in turn on the square.
-const GRIDS: [usize; 2] = [64, 256];
-
-/// Solves the problem on the square, whose boundary has no parts.
-///
-/// # Errors
-/// [`PlaneError`].
-pub(crate) fn true_solution_on_square(f: &Source, law: Law) -> Result<TrueSolution, PlaneError> {
-    let mesh = BuiltIn::Square.plane().expect("the square lies in the plane").with_law(law);
-    let problem = PlaneProblem::on_mesh(&mesh, std::slice::from_ref(f))?;
-    let domain = PlaneDomain { parts: Vec::new(), ..problem.domain };
-    let starts = GRIDS.into_iter().filter_map(|cells| DiscreteStart::on_square(cells, f, law));
-    let found = solved(&PlaneProblem { domain, ..problem }, starts)?;
-    Ok(TrueSolution { integral: integral(f), ..found })
-}
 
 /// Solves the problem on the domain of a mesh in the plane, whose boundary is straight or lies on the circles of its
 /// parts.
@@ -42,8 +24,9 @@ pub(crate) fn true_solution_on(mesh: &PlaneMesh, f: &[Source]) -> Result<TrueSol
         let sides = problem.domain.sides().filter(|side| !side.is_after_bend).count() as f64;
         // Short sides want short edges.
         let most_nodes = STARTS.map(|nodes| nodes * (sides / SIDES).max(1.0).powi(2));
-        let starts =
-            most_nodes.into_iter().filter_map(|most| DiscreteStart::on_mesh(&component, f, most));
+        let starts = most_nodes
+            .into_iter()
+            .filter_map(|most| PlaneStart::on_mesh(&problem, &component, f, most));
         let own = solved(&problem, starts)?;
         all = Some(if let Some(before) = all { before.with(own) } else { own });
     }
@@ -61,12 +44,12 @@ pub(crate) fn check_plane(mesh: &PlaneMesh, f: &[Source]) -> Result<(), PlaneErr
 /// Solves a problem from the contact sets of discrete solutions in turn.
 fn solved(
     problem: &PlaneProblem,
-    starts: impl Iterator<Item = DiscreteStart>,
+    starts: impl Iterator<Item = PlaneStart>,
 ) -> Result<TrueSolution, PlaneError> {
     let mut error = PlaneError::NotFound("multigrid found no solution to begin with".into());
     let mut effort = Effort::default();
     for start in starts {
-        match solve(problem, &start.seen(problem), &mut effort) {
+        match solve(problem, &start, &mut effort) {
             Err(failed) => error = failed,
             found => return found,
         }

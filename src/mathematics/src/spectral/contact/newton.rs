@@ -281,10 +281,12 @@ fn keep_off_corners(setup: &Setup, contact: &mut [RingContact]) {
                     continue;
                 }
                 let side = ring.place(corner).side;
-                let [before, beyond] = [ring.before(side).law, ring.sides[side].law];
+                let [before, beyond] = [ring.before(side), &ring.sides[side]];
                 let [own, other] = if which == 1 { [before, beyond] } else { [beyond, before] };
                 *t += match which {
-                    _ if !other.may_move() || own.may_move() && own != other => -after,
+                    _ if !other.law.may_move() || own.law.may_move() && !own.has_law_of(other) => {
+                        -after
+                    }
                     // Contact leaves the corner free.
                     0 => least - after,
                     _ => -least - after,

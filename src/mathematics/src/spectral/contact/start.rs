@@ -1,12 +1,9 @@
 //! Contact set with which Newton's method begins, of a finite element solution.
 
 use crate::discrete::contact::reach;
-use crate::discrete::grid::Grid;
-use crate::discrete::kkt::{Judgement, judge};
-use crate::discrete::load::LoadRule;
+use crate::discrete::kkt::judge;
 use crate::mesh::{
     AnyMesh, ClosedCurve, NestedMeshes, PlaneMesh, boundary_curves, mesh_load, nested_meshes,
-    square_boundary,
 };
 use crate::multigrid::MultigridParams;
 use crate::multilevel::solve_nested_networks;
@@ -17,8 +14,6 @@ use crate::spectral::geometry::domain::PlaneDomain;
 use crate::spectral::geometry::ring::{PlaneRing, RingContact, StateChange};
 use crate::spectral::geometry::side::SidePlace;
 use crate::spectral::problem::PlaneProblem;
-use crate::square::load::load;
-use crate::square::multigrid::solve_square;
 use std::collections::HashMap;
 
 /// Most refinements of the first mesh.
@@ -33,18 +28,15 @@ pub(crate) struct PlaneStart {
     pub spacing: f64,
 }
 
-/// Finite element solution on the boundary.
-pub(crate) struct DiscreteStart {
-    /// v at all nodes.
-    y: Vec<f64>,
-    /// States of the nodes where the law holds.
-    states: HashMap<usize, BoundaryState>,
-    curves: Vec<ClosedCurve>,
-}
-
-impl DiscreteStart {
-    /// Solution on the finest refinement of a mesh with no more nodes than this, about; none if there is no solution.
-    pub(crate) fn on_mesh(coarsest: &PlaneMesh, f: &[Source], most_nodes: f64) -> Option<Self> {
+impl PlaneStart {
+    /// Contact set on the loops of a problem of the solution on the finest refinement of a mesh with no more nodes than
+    /// this, about; none if there is no solution.
+    pub(crate) fn on_mesh(
+        PlaneProblem { domain, .. }: &PlaneProblem,
+        coarsest: &PlaneMesh,
+        f: &[Source],
+        most_nodes: f64,
+    ) -> Option<Self> {
         let of_either = AnyMesh::from(coarsest.clone());
         let fits = (1..=MOST_TIMES).take_while(|&times| of_either.nodes_after(times) <= most_nodes);
         let NestedMeshes { meshes, networks, .. } = nested_meshes(coarsest, fits.count()).ok()?;
@@ -52,27 +44,10 @@ impl DiscreteStart {
         let load = mesh_load(finest, f).ok()?.load;
         let params = MultigridParams::default();
         let (y, _) = solve_nested_networks(&networks, &load, &params).ok()?;
-        Some(Self::new(judge(network, &y, &load), y, boundary_curves(finest)))
-    }
-
-    /// Solution on the grid of the square with so many cells per side; none if there is no solution.
-    pub(crate) fn on_square(cells: usize, f: &Source, law: Law) -> Option<Self> {
-        let grid = Grid::new(cells).ok()?;
-        let load = load(grid, f, LoadRule::Bilinear {});
-        let params = MultigridParams::default();
-        let (y, _) = solve_square(cells, law, &load, &params).ok()?;
-        Some(Self::new(judge((grid, law), &y, &load), y, vec![square_boundary(grid, law)]))
-    }
-
-    fn new(judgement: Judgement, y: Vec<f64>, curves: Vec<ClosedCurve>) -> Self {
-        let nodes = judgement.contact.iter().map(|contact| contact.node);
-        let states = nodes.zip(judgement.states.iter().copied()).collect();
-        Self { y, states, curves }
-    }
-
-    /// Contact set on the loops of a problem.
-    pub(crate) fn seen(&self, PlaneProblem { domain, .. }: &PlaneProblem) -> PlaneStart {
-        let mut curves = self.curves.clone();
+        let judgement = judge(network, &y, &load);
+        let nodes = judgement.contact.iter().zip(&judgement.states);
+        let states = nodes.map(|(own, &state)| (own.node, (state, own.law.at()))).collect();
+        let mut curves = boundary_curves(finest);
         for point in curves.iter_mut().flat_map(|curve| &mut curve.points) {
             *point = domain.frame.seen(*point).coordinates();
         }
@@ -82,10 +57,9 @@ impl DiscreteStart {
             let distances = curves.iter().map(|curve| ring.nearest(place_of(curve, 0)).1);
             let nearest = distances.enumerate().min_by(|one, other| one.1.total_cmp(&other.1));
             let (number, _) = nearest.expect("as many curves as loops");
-            let nodes = NodesOfLoop::new(&curves[number], ring, &self.y, &self.states);
-            contact.push(nodes.contact(domain));
+            contact.push(NodesOfLoop::new(&curves[number], ring, &y, &states).contact(domain));
         }
-        PlaneStart { contact, spacing }
+        Some(Self { contact, spacing })
     }
 }
 
@@ -99,13 +73,6 @@ fn longest_edge(curve: &ClosedCurve) -> f64 {
 fn place_of(curve: &ClosedCurve, node: usize) -> Complex {
     let [x, y] = curve.points[node % curve.points.len()];
     Complex::new(x, y)
-}
-
-/// Value of the laws beside a node of a curve; 0 between free parts.
-fn value_at(curve: &ClosedCurve, node: usize) -> f64 {
-    let many = curve.nodes.len();
-    let beside = [node, (node + many - 1) % many].map(|edge| curve.laws[edge]);
-    beside.into_iter().find(|law| !law.is_free()).map_or(0.0, Law::at)
 }
 
 /// Boundary nodes on a loop, in walking order.
@@ -123,18 +90,22 @@ impl<'a> NodesOfLoop<'a> {
         curve: &'a ClosedCurve,
         ring: &'a PlaneRing,
         y: &[f64],
-        states: &HashMap<usize, BoundaryState>,
+        states: &HashMap<usize, (BoundaryState, f64)>,
     ) -> Self {
-        let nodes = curve.nodes.iter().enumerate();
-        let values: Vec<f64> = nodes.map(|(k, &node)| y[node] - value_at(curve, k)).collect();
-        let mut own = Vec::new();
+        let (mut values, mut own) = (Vec::new(), Vec::new());
         for (k, node) in curve.nodes.iter().enumerate() {
-            own.push(match states.get(node) {
-                Some(state) => *state,
-                None if values[k] == 0.0 => BoundaryState::Sticks,
-                None if values[k] > 0.0 => BoundaryState::SlipsUp,
-                None => BoundaryState::SlipsDown,
-            });
+            let beside = [k, (k + curve.nodes.len() - 1) % curve.nodes.len()];
+            let (state, at) = match states.get(node) {
+                Some(own) => *own,
+                None if beside.iter().any(|&edge| curve.laws[edge].is_fixed()) => {
+                    (BoundaryState::Sticks, y[*node])
+                }
+                None if y[*node] == 0.0 => (BoundaryState::Sticks, 0.0),
+                None if y[*node] > 0.0 => (BoundaryState::SlipsUp, 0.0),
+                None => (BoundaryState::SlipsDown, 0.0),
+            };
+            values.push(y[*node] - at);
+            own.push(state);
         }
         Self { curve, ring, values, states: own }
     }

@@ -23,6 +23,8 @@ pub(crate) struct PlaneNode {
     pub psi_flux: f64,
     pub state: State,
     pub law: Law,
+    /// Value of the law.
+    pub at: f64,
     /// True if the split next to it is an end of contact, and if another law begins there.
     pub by_end: bool,
     pub by_joint: bool,
@@ -36,7 +38,7 @@ pub(crate) struct PlaneNode {
 impl PlaneNode {
     /// v less the value of the law.
     pub(crate) fn above(&self) -> f64 {
-        self.value - self.law.at()
+        self.value - self.at
     }
 
     /// Outer normal.
@@ -104,13 +106,14 @@ pub(crate) fn nodes_at(setup: &Setup, fit: &Fit, spots: &[Spot]) -> Vec<PlaneNod
     let (values, gradients) = (psi.values(&points), psi.gradients(&points));
     let mut nodes = Vec::with_capacity(spots.len());
     for (k, &spot) in spots.iter().enumerate() {
-        nodes.push(node(fit, spot, [g[k], slopes[k]], (values[k], gradients[k])));
+        nodes.push(node(setup, fit, spot, [g[k], slopes[k]], (values[k], gradients[k])));
     }
     nodes
 }
 
 /// Node at a spot, from g with its derivative, and psi with its gradient.
 pub(crate) fn node(
+    setup: &Setup,
     fit: &Fit,
     spot: Spot,
     [g, slope]: [Complex; 2],
@@ -129,6 +132,7 @@ pub(crate) fn node(
         state: interval.state,
         residual: 0.0,
         law: interval.law,
+        at: setup.domain.value(setup.domain.side(interval), spot.z).0,
         by_end: fit.walk.splits.get(spot.split).is_some_and(|split| split.end.is_some()),
         by_joint: fit.walk.splits.get(spot.split).is_some_and(|split| split.joint),
         t: fit.walk.splits[interval.splits[0]].t + spot.s,
@@ -157,7 +161,7 @@ impl Sizes {
             sizes.flux += node.spot.weight * node.flux.abs() / setup.perimeter;
             sizes.residual = sizes.residual.max(node.residual.abs());
         }
-        let at = setup.domain.sides().fold(0.0f64, |most, side| most.max(side.law.at().abs()));
+        let at = nodes.iter().fold(0.0f64, |most, node| most.max(node.at.abs()));
         // v may be a constant but for rounding.
         sizes.flux = sizes.flux.max(CONSTANT * at / setup.diameter);
         sizes.value = (sizes.flux * setup.diameter).max(at);

@@ -111,7 +111,7 @@ fn powers(split: &Split) -> Vec<Power> {
 }
 
 /// Powers at a corner: multiples of pi over its angle, halves of odd ones where v = 0 on one side alone; logarithms
-/// where these meet the whole powers of psi, and where the flux differs from side to side.
+/// where these meet the whole powers of psi, and where the flux, or the slope of the value, differs from side to side.
 fn corner_powers(split: &Split) -> Vec<Power> {
     let is_held = split.states.map(|state| state == State::Held);
     let mixed = is_held[0] != is_held[1];
@@ -124,10 +124,12 @@ fn corner_powers(split: &Split) -> Vec<Power> {
             powers.push(Power::plain(power));
         }
     }
+    let [before, after] = split.formulas;
     let differs = match split.states {
         [State::Flux(a), State::Flux(b)] => a != b,
-        [State::Flux(q), State::Held] | [State::Held, State::Flux(q)] => q != 0.0,
-        [State::Held, State::Held] => false,
+        [State::Flux(q), State::Held] => q != 0.0 || after.is_some(),
+        [State::Held, State::Flux(q)] => q != 0.0 || before.is_some(),
+        [State::Held, State::Held] => before != after,
     };
     if differs {
         powers.extend([Power::plain(1.0), Power::with_log(1.0)]);
@@ -153,24 +155,21 @@ impl Ladder {
     /// away from it.
     fn lengths(&self, domain: &PlaneDomain, point: Complex, inwards: Complex) -> Vec<f64> {
         let longest = 0.55 * domain.exit(point, -inwards);
-        let mut lengths = Vec::new();
-        let mut d = self.from.min(0.99 * longest);
+        let is_clear = |d: &f64| domain.distance(point - inwards.scaled(*d)) > 0.3 * d;
+        let (mut lengths, first) = (Vec::new(), self.from.min(0.99 * longest));
+        let mut d = first;
         while (d < self.to || lengths.len() < self.least)
             && lengths.len() < self.most
             && d < longest
         {
-            if d < longest && domain.distance(point - inwards.scaled(d)) > 0.3 * d {
-                lengths.push(d);
-            }
+            lengths.extend(Some(d).filter(is_clear));
             d *= self.ratio;
         }
-        d = self.from.min(0.99 * longest);
-        let mut tries = 0;
-        while lengths.len() < self.least && tries < 20 {
+        d = first;
+        for _ in 0..20 {
             d /= self.ratio.min(3.0);
-            tries += 1;
-            if d < longest && domain.distance(point - inwards.scaled(d)) > 0.3 * d {
-                lengths.push(d);
+            if lengths.len() < self.least && d < longest {
+                lengths.extend(Some(d).filter(is_clear));
             }
         }
         lengths

@@ -64,6 +64,8 @@ pub(crate) struct Split {
     pub tangents: [Complex; 2],
     /// Conditions before and after it.
     pub states: [State; 2],
+    /// Formulas of the values of the laws before and after it.
+    pub formulas: [Option<usize>; 2],
     /// Lengths of the intervals before and after it.
     pub lengths: [f64; 2],
     /// Inner angle, pi on a smooth side.
@@ -203,10 +205,14 @@ impl Walk {
                 z: side.point(place.s),
                 tangents,
                 states: [states[before], states[k]],
+                formulas: match mark.joint {
+                    true => [ring.before(place.side).formula, side.formula],
+                    false => [side.formula; 2],
+                },
                 lengths: [lengths[before], lengths[k]],
                 angle: if mark.corner { inner_angle(tangents) } else { PI },
                 corner: mark.corner,
-                joint: mark.joint && ring.before(place.side).law != side.law,
+                joint: mark.joint && !ring.before(place.side).has_law_of(side),
                 crossing: mark.crossing,
                 end: mark.end.filter(|_| !mark.corner && states[before] != states[k]),
             });

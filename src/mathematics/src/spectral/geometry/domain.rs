@@ -1,5 +1,6 @@
 //! Domains of the plane bounded by straight sides and circular arcs.
 
+use super::boundary::PlaneInterval;
 use super::curve::{Curve, SAME};
 use super::frame::Frame;
 use super::ring::PlaneRing;
@@ -7,6 +8,7 @@ use super::side::{PlaneSide, SidePlace};
 use crate::mesh::Names;
 use crate::problem::complex::Complex;
 use crate::spectral::error::PlaneError;
+use crate::spectral::source::smooth::Smooth;
 
 /// Domain of the plane: closed loops of sides with the domain on the left, the outer one first and anticlockwise, holes
 /// clockwise.
@@ -17,6 +19,8 @@ pub(crate) struct PlaneDomain {
     /// Names of the parts of the boundary; none of the square.
     pub(crate) parts: Vec<Names>,
     pub(crate) rings: Vec<PlaneRing>,
+    /// Values of laws that are no numbers.
+    pub(crate) values: Vec<Smooth>,
 }
 
 impl PlaneDomain {
@@ -76,7 +80,18 @@ impl PlaneDomain {
 
     /// True if v = 0 is not what all laws have; without it the energy of v = 0 is zero.
     pub(crate) fn has_values(&self) -> bool {
-        self.sides().any(|side| side.law.at() != 0.0)
+        self.sides().any(|side| side.formula.is_some() || side.law.at() != 0.0)
+    }
+
+    /// Side of an interval.
+    pub(crate) fn side(&self, interval: &PlaneInterval) -> &PlaneSide {
+        &self.rings[interval.ring].sides[interval.side]
+    }
+
+    /// Value of the law of a side at a point, with its gradient.
+    pub(crate) fn value(&self, side: &PlaneSide, z: Complex) -> (f64, Complex) {
+        let own = side.formula.map(|k| (self.values[k].value(z), self.values[k].gradient(z)));
+        own.unwrap_or((side.law.at(), Complex::default()))
     }
 
     /// Length of the diagonal of the box round the domain.

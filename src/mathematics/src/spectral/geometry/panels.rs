@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use std::sync::OnceLock;
 
 /// Point of an interval.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Spot {
     pub interval: usize,
     /// Split next to it, and its position from there.
@@ -29,17 +29,7 @@ pub(crate) struct Spot {
 impl Spot {
     /// Spot away from the boundary.
     pub(crate) fn inside(z: Complex) -> Self {
-        let (delta, tangent) = (Complex::default(), Complex::new(1.0, 0.0));
-        Self {
-            interval: usize::MAX,
-            split: usize::MAX,
-            delta,
-            z,
-            tangent,
-            offset: 0.0,
-            s: 0.0,
-            weight: 0.0,
-        }
+        Self { interval: usize::MAX, split: usize::MAX, z, ..Self::default() }
     }
 }
 
@@ -173,7 +163,7 @@ fn found(n: usize) -> Vec<GaussNode> {
 }
 
 /// Legendre polynomials of degrees 0 to `n` at `x`.
-fn legendre(n: usize, x: f64) -> Vec<f64> {
+pub(crate) fn legendre(n: usize, x: f64) -> Vec<f64> {
     let mut values = Vec::with_capacity(n + 1);
     values.extend([1.0, x]);
     for k in 1..n {

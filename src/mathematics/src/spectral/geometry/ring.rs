@@ -45,7 +45,7 @@ impl PlaneRing {
         let (side, before, [prior, after]) = (&self.sides[k], self.before(k), self.tangents(k));
         (prior.cross(after).abs() < 1e-12 || side.is_after_bend)
             && prior.dot(after) > 0.0
-            && side.law == before.law
+            && side.has_law_of(before)
             && (side.curvature() - before.curvature()).abs() < 1e-12
     }
 

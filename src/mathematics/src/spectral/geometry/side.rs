@@ -10,8 +10,12 @@ use crate::spectral::complex::distance;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlaneSide {
     pub(crate) arc: Arc,
-    /// Law on it.
+    /// Law on it; its value is that of the formula, if there is one.
     pub law: Law,
+    /// Position of the formula of its value among those of the domain.
+    pub formula: Option<usize>,
+    /// Bound of the error of its value, and of what that differs by from those of sides that it meets.
+    pub off: f64,
     /// Number of the part of the boundary to which it belongs.
     pub part: usize,
     /// True if it goes on from the side before but for a bend that is too small for a corner.
@@ -26,7 +30,7 @@ impl PlaneSide {
         let length = way.norm();
         let curve = Curve::line(from, way.scaled(1.0 / length));
         let arc = Arc { curve, span: [0.0, length], ends: [None; 2] };
-        Self { arc, law, part, is_after_bend: false }
+        Self { arc, law, formula: None, off: 0.0, part, is_after_bend: false }
     }
 
     /// Arc of a circle between two angles, anticlockwise if they rise; a full circle is one side.
@@ -37,7 +41,12 @@ impl PlaneSide {
         let curve = Curve { origin, tangent: normal.turned(), curvature: 1.0 / radius };
         let span = [0.0, radius * (to - from)];
         let arc = Arc { curve, span, ends: [None; 2] };
-        Self { arc, law, part, is_after_bend: false }
+        Self { arc, law, formula: None, off: 0.0, part, is_after_bend: false }
+    }
+
+    /// True if the law of another one is the same.
+    pub(crate) fn has_law_of(&self, other: &Self) -> bool {
+        (self.law, self.formula) == (other.law, other.formula)
     }
 
     /// Length.

@@ -18,7 +18,8 @@
 //! ```
 //! which is at most `J + delta int |l - q| + 1/2 int |grad W|^2`, the integral over where dv/dn should be q.
 //!
-//! Since sides that meet have one value, or one of them is free, w has one value in their corner.
+//! Where sides meet with different values v leaves one of them: on the half of that side which is next to the corner W
+//! goes linearly to the value that it has there, with v farther than delta from `at` on all of it.
 //!
 //! *Lower.* Let eta take the flux into the law: `eta = q - l` where dv/dn should be q, the violation where v should be
 //! `at`, and there also a constant that makes `oint eta = 0` on each loop, on a part where there is room in the law.
@@ -144,9 +145,9 @@ fn least_gradient([size, error]: [f64; 2], width: f64) -> f64 {
 
 /// Bound of |v| and of |v - at| on the boundary.
 fn largest(samples: &[Sampled]) -> f64 {
-    samples.iter().fold(0.0, |most, own| {
-        most.max(own.most(Test::of(Quantity::Value)) + own.nodes[0].law.at().abs())
-    })
+    samples
+        .iter()
+        .fold(0.0, |most, own| most.max(own.most(Test::of(Quantity::Value)) + own.moduli.at.value))
 }
 
 /// Effect on the bounds of what `-Lap psi` differs from f.

@@ -14,7 +14,7 @@ use super::moduli::{Disc, room_of_psi};
 use crate::problem::complex::Complex;
 use crate::spectral::geometry::boundary::Walk;
 use crate::spectral::geometry::curve::Curve;
-use crate::spectral::geometry::panels::{GaussNode, cut, gauss};
+use crate::spectral::geometry::panels::{self, GaussNode, cut, gauss};
 use crate::spectral::source::psi::Psi;
 
 /// Gauss points of a cell.
@@ -234,13 +234,9 @@ impl EllipseCell {
 pub(super) fn legendre() -> Vec<[f64; POINTS]> {
     let mut weights = vec![[0.0; POINTS]; POINTS];
     for (weights, node) in weights.iter_mut().zip(gauss(POINTS)) {
-        let x = 2.0 * node.x - 1.0;
-        let (mut before, mut own) = (0.0, 1.0);
-        for (k, weight) in weights.iter_mut().enumerate() {
-            let order = k as f64;
-            *weight = (2.0 * order + 1.0) * node.weight * own;
-            let next = ((2.0 * order + 1.0) * x * own - order * before) / (order + 1.0);
-            (before, own) = (own, next);
+        let values = panels::legendre(POINTS - 1, 2.0 * node.x - 1.0);
+        for (k, (weight, value)) in weights.iter_mut().zip(values).enumerate() {
+            *weight = (2 * k + 1) as f64 * node.weight * value;
         }
     }
     weights

@@ -9,7 +9,7 @@ use super::Proof;
 use super::cells::POINTS;
 use super::green::{HarmonicFit, HarmonicNode};
 use super::integrals::Integrals;
-use super::moduli::{Moduli, of_f};
+use super::moduli::{Disc, Moduli, of_f};
 use super::samples::Sampled;
 use crate::problem::complex::Complex;
 use crate::spectral::fit::Fit;
@@ -112,7 +112,7 @@ impl Leftover {
         let joined = joined.map(|own| 4.0 * own.crossing.change.abs() * own.offset * own.offset);
         let variation = terms.sum::<f64>() + joined.sum::<f64>();
         let (node, size) = (&own.nodes[0], EnergyFactors::of(proof, own));
-        let known = node.value.abs() + node.law.at().abs() + node.psi.abs();
+        let known = node.value.abs() + node.at.abs() + node.psi.abs();
         let value = known + variation + size.rate * least;
         let flux = variation + size.rate * least;
         let integrals = 4.0 * value * flux + size.constants * least;
@@ -123,8 +123,6 @@ impl Leftover {
 /// Factors of the bound of the integrand of the energy.
 struct EnergyFactors {
     constants: f64,
-    /// Modulus of the value of the law.
-    at: f64,
     /// Bound of slopes but that of v.
     rate: f64,
 }
@@ -138,18 +136,19 @@ impl EnergyFactors {
         let q = if let State::Flux(q) = interval.state { q.abs() } else { 0.0 };
         let Moduli { value, slope } = own.moduli.psi;
         let constants = match &proof.setup.jumps.psi {
-            Psi::Polynomial(f) => {
+            Psi::Smooth(own) => {
                 let far = disc.centre.norm() + disc.radius;
-                2.0 * far * f.product_modulus(far)
+                let both = [&own.f, &own.psi].map(|own| own.moduli(Complex::default(), far)[0]);
+                far * both[0] * both[1]
             }
             Psi::Jumps(_) => 2.0 * f * far * (value + far * slope + f * far * far),
         };
-        Self { constants, at: interval.law.at().abs(), rate: slope + q }
+        Self { constants, rate: slope + q }
     }
 }
 
 /// Bound of the integrand of the energy on the ellipse of a cell, in its variable: each of its terms is v, psi or the
-/// value of the law times a slope of v or psi, or f times psi and powers of the distance from the middle; with that of
+/// value of the law, which is in the bound of v, times a slope of v or psi, or f times psi and powers of the distance from the middle; with that of
 /// Green's identity for h.
 fn modulus(proof: &Proof, own: &Sampled, h: Moduli) -> f64 {
     let (cell, moduli) = (&own.own.cell, &own.moduli);
@@ -159,9 +158,7 @@ fn modulus(proof: &Proof, own: &Sampled, h: Moduli) -> f64 {
     let size = EnergyFactors::of(proof, own);
     // The normal of an arc, continued, is longer than 1.
     let green = h.value * slope + 1.8 * h.slope * value * r;
-    4.0 * (value + size.at + moduli.psi.value) * (slope + size.rate * r)
-        + size.constants * r
-        + green
+    4.0 * (value + moduli.psi.value) * (slope + size.rate * r) + size.constants * r + green
 }
 
 /// Bounds of the integrand of the energy that belongs to a change of f by 1 at a point of the boundary, and of its
@@ -211,8 +208,9 @@ impl BoundedEnergy {
     fn add_balance(&mut self, proof: &Proof, own: &Sampled, integrals: Integrals) {
         let cell = &own.own.cell;
         self.balance += integrals.force + integrals.source;
-        let f =
-            of_f(&proof.setup.jumps.psi, proof.fit.walk.intervals[own.own.interval].f, cell.disc);
+        let radius = cell.disc.centre.norm() + cell.disc.radius;
+        let around = Disc { centre: Complex::default(), radius, inner: 0.0 };
+        let f = of_f(&proof.setup.jumps.psi, proof.fit.walk.intervals[own.own.interval].f, around);
         let units = f64::EPSILON * (self.cells + POINTS + 16) as f64;
         let scale = if cell.is_log { cell.distances[1] } else { 1.0 };
         let weights = if cell.is_log { f64::EPSILON * (1.0 + cell.length()) } else { 0.0 };
@@ -222,7 +220,11 @@ impl BoundedEnergy {
         for (node, [_, slope]) in own.nodes.iter().zip(&own.rounding) {
             let slope = slope - off;
             let here = match &proof.setup.jumps.psi {
-                Psi::Polynomial(f) => node.spot.z.norm() * f.moduli(node.spot.z.norm())[0],
+                Psi::Smooth(own) => {
+                    let away = node.spot.z.norm();
+                    self.unbalanced += node.spot.weight * away * own.radial_errors[0];
+                    away * own.f.size(away)
+                }
                 Psi::Jumps(_) => of_source,
             };
             let terms = node.flux.abs() + here;
@@ -279,11 +281,7 @@ impl BoundedEnergy {
     /// `1/2 (h_n (v - psi) - h (l - psi_n))`.
     fn add_rounding(&mut self, proof: &Proof, own: &Sampled, harmonic: &[HarmonicNode]) {
         let (cell, interval) = (&own.own.cell, &proof.fit.walk.intervals[own.own.interval]);
-        let at = interval.law.at();
-        let (sign, q, held) = match interval.state {
-            State::Held => (-1.0, 0.0, at),
-            State::Flux(q) => (1.0, q, 0.0),
-        };
+        let off_value = proof.setup.domain.side(interval).off;
         let f = of_f(&proof.setup.jumps.psi, interval.f, cell.disc);
         // Weights in log r.
         let weights = if cell.is_log { f64::EPSILON * (1.0 + cell.length()) } else { 0.0 };
@@ -293,7 +291,11 @@ impl BoundedEnergy {
             own.nodes.iter().zip(own.rounding.iter().map(|&[value, slope]| [value, slope - off]));
         for (((node, [value, slope]), psi), h) in both.zip(&own.psi).zip(harmonic) {
             let (v, l, [g, rate]) = (node.value, node.flux, HarmonicNode::of_g(node));
-            let z = node.spot.z;
+            let (z, at) = (node.spot.z, node.at);
+            let (sign, q, held) = match interval.state {
+                State::Held => (-1.0, 0.0, at),
+                State::Flux(q) => (1.0, q, 0.0),
+            };
             let square = 0.25 * (z - proof.setup.centre).norm2();
             let far = z.norm().max(2.0 * square.sqrt());
             let by_value = 0.5 * (sign * l + node.psi_flux - 2.0 * q + h.flux).abs() + slope;
@@ -304,10 +306,10 @@ impl BoundedEnergy {
                     let rest = square * (node.psi_flux.abs() + 0.25 * f * far);
                     [0.5 * f * far, f * square, f * (0.5 * node.psi.abs() * far + rest), 0.0]
                 }
-                Psi::Polynomial(f) => {
-                    let product = z.norm() * f.product_modulus(z.norm());
-                    let rounding = f.units() * f64::EPSILON * product;
-                    [0.0, 0.0, product, rounding + z.norm() * f.product_error]
+                Psi::Smooth(own) => {
+                    let product = z.norm() * own.product(z.norm());
+                    let rounding = own.units()[1] * f64::EPSILON * product;
+                    [0.0, 0.0, product, rounding + z.norm() * own.radial_errors[1]]
                 }
             };
             let by_psi = 0.5 * ((l + h.flux).abs() + of_psi);
@@ -322,6 +324,7 @@ impl BoundedEnergy {
                 + psi.value * by_psi
                 + psi.slope * by_psi_slope
                 + 0.5 * rounded
+                + off_value * (l.abs() + q.abs())
                 + 0.5 * (h.errors[0] * rate.abs() + h.errors[1] * g.abs())
                 + weights * terms;
             self.error += node.spot.weight * error;

@@ -64,12 +64,13 @@ impl Integrals {
                     };
                     sums.add_side(PieceSide::of_jump(all, [f, 0.0]), own);
                 }
-                Psi::Polynomial(f) => {
-                    sums.source += weight * z.dot(node.normal()) * f.radial(z);
-                    sums.work += weight * z.dot(node.normal()) * f.radial_with_psi(z);
+                Psi::Smooth(own) => {
+                    let ([source, work], outward) = (own.radial(z), z.dot(node.normal()));
+                    sums.source += weight * outward * source;
+                    sums.work += weight * outward * work;
                 }
             }
-            sums.given += weight * node.law.at() * node.flux;
+            sums.given += weight * node.at * node.flux;
             match node.state {
                 State::Held => sums.held += weight * node.above() * node.flux,
                 State::Flux(q) => sums.slipping += weight * q * node.above(),

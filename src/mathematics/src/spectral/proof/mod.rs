@@ -4,19 +4,17 @@
 //! broken to see that they do.
 //!
 //! # Statement
-//! Given are a domain with straight and circular sides, f (constant on pieces, or a polynomial), and a law of constants
-//! on each side, a value `at` and an interval `lo <= dv/dn <= hi`, the same value where sides meet that are not free; u
-//! minimises the energy J, and J(u) is what the two ends hold. They are made from any function `v = psi + Re g` of the
+//! Given are a domain with straight and circular sides, f (constant on pieces, or smooth in closed form), and a law on
+//! each side, a value `at`, which may be smooth too, and an interval `lo <= dv/dn <= hi`, with one value where v sticks
+//! on both sides of a corner, but for rounding; u minimises the energy J, and J(u) is what the two ends hold. They are made from any function `v = psi + Re g` of the
 //! form below, right or not: nothing of how v was found is used.
 //!
 //! 1. *Data.* The curves, points and values of the setup are those of the statement but for rounding of coordinates by
 //!    two units in the last place, which counts as an error of the energy (step 7). A crossing of f that is joined
 //!    with a corner next to it counts where it is (`BoundedEnergy::add_joined`), a bend of a side is kept, however
-//!    small.
-//!    Where numbers nearly agree and count as one, f is changed on a set that is bounded with the jumps ([`Changes`]):
+//!    small. Where numbers nearly agree and count as one, f is changed on a set that is bounded with the jumps ([`Changes`]):
 //!    between curves that count as one (`add_moved`, `add_between`) or touch (`add_overlap`), on shapes without borders
-//!    (`add_disc`), between a border and a side (`add_outside`), and in what the pieces between points that count as
-//!    one enclose (`add_joined`). Step 8 has the effect; a problem of which so more than a small share of f changes is
+//!    (`add_disc`), and in what the pieces between points that count as one enclose (`add_joined`). Step 8 has the effect; a problem of which so more than a small share of f changes is
 //!    refused. Tests: `solution::tests::changes`.
 //! 2. *The equation.* `-Lap psi = f` holds exactly but for these changes: all pieces of all borders of f are jumps of
 //!    psi (`Jumps::new`), which add up to zero in each vertex (`Jumps::check_vertices`), so that both differ by one
@@ -240,7 +238,7 @@ impl<'a> Proof<'a> {
     /// Half of an interval.
     fn stretch(&'a self, interval: usize, side: usize) -> CellStretch<'a> {
         let own = &self.fit.walk.intervals[interval];
-        let along = &self.setup.domain.rings[own.ring].sides[own.side];
+        let along = self.setup.domain.side(own);
         let [way, start] = [along.way(), own.from + [0.0, own.length][side]];
         CellStretch {
             curve: along.arc.curve,

@@ -175,8 +175,8 @@ impl Hole {
 pub(super) fn of_psi(psi: &Psi, disc: Disc) -> Moduli {
     let Disc { centre, radius, .. } = disc;
     match psi {
-        Psi::Polynomial(f) => {
-            let [_, value, slope] = f.moduli(centre.norm() + radius);
+        Psi::Smooth(own) => {
+            let [value, slope] = own.psi.moduli(centre, radius);
             Moduli { value, slope }
         }
         Psi::Jumps(parts) => {
@@ -212,7 +212,7 @@ impl PsiPart {
 pub(super) fn of_f(psi: &Psi, here: f64, disc: Disc) -> f64 {
     match psi {
         Psi::Jumps(_) => here.abs(),
-        Psi::Polynomial(f) => f.moduli(disc.centre.norm() + disc.radius)[0],
+        Psi::Smooth(own) => own.f.moduli(disc.centre, disc.radius)[0],
     }
 }
 

@@ -28,10 +28,16 @@ impl Proof<'_> {
         rest.add(polynomial);
         let psi = of_psi(&self.setup.jumps.psi, own.cell.disc);
         rest.add(psi);
+        let side = self.setup.domain.side(interval);
+        let Disc { centre, radius, .. } = own.cell.disc;
+        let at = side.formula.map(|k| self.setup.domain.values[k].moduli(centre, radius));
+        let [value, slope] = at.unwrap_or([side.law.at().abs(), 0.0]);
+        let at = Moduli { value, slope };
+        rest.add(at);
         // The normal of an arc, continued, is longer than 1.
         rest.slope *= if interval.curvature == 0.0 { 1.0 } else { 1.8 };
         let (value, slope) = (vec![[0.0, rest.value]], vec![[1.0, rest.slope]]);
-        let mut moduli = CellModuli { value, slope, rest, psi };
+        let mut moduli = CellModuli { value, slope, rest, psi, at };
         if split.is_some() {
             self.add_own(own, split, &mut moduli);
         }
@@ -88,17 +94,19 @@ impl Proof<'_> {
         let mut samples = Vec::with_capacity(cells.len());
         for (k, (own, moduli)) in cells.iter().zip(self.moduli(cells)).enumerate() {
             let range = k * POINTS..(k + 1) * POINTS;
+            let interval = &self.fit.walk.intervals[own.interval];
+            let side = self.setup.domain.side(interval);
             let mut sampled = Sampled::new(*own, moduli, distances[range.clone()].to_vec());
             for i in range {
                 let (spot, gradient) = (spots[i], gradients[i]);
                 let SpotSum { value, slope, errors } = sums[i];
-                let node = node(self.fit, spot, [value, slope], (values[i], gradient));
+                let node = node(self.setup, self.fit, spot, [value, slope], (values[i], gradient));
                 sampled.nodes.push(node);
-                sampled.slopes.push((slope * spot.tangent).re + gradient.dot(spot.tangent));
-                sampled.rounding.push([errors[0], errors[1] + off_flux]);
+                let rate = gradient - self.setup.domain.value(side, spot.z).1;
+                sampled.slopes.push((slope * spot.tangent).re + rate.dot(spot.tangent));
+                sampled.rounding.push([errors[0] + side.off, errors[1] + off_flux]);
                 sampled.psi.push(psi_errors[i]);
             }
-            let interval = &self.fit.walk.intervals[own.interval];
             let f = of_f(psi, interval.f, own.cell.disc);
             sampled.add_rounding(f, interval.curvature);
             self.add_logs(&mut sampled);

@@ -6,22 +6,9 @@
 use crate::machine::simd::vectorised;
 use crate::problem::complex::Complex;
 use crate::spectral::geometry::curve::{Arc, Polar};
-use crate::spectral::source::far_field::{FarField, FarSizes};
 use crate::spectral::source::potential::{Jump, Potential};
-use crate::spectral::source::psi::Psi;
+use crate::spectral::source::psi::{Psi, PsiSizes};
 use std::f64::consts::TAU;
-use std::ops::Add;
-
-/// Bounds at a point.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct PsiErrors {
-    /// Rounding error of psi.
-    pub value: f64,
-    /// That of its gradient.
-    pub slope: f64,
-    /// Change of the gradient over that of the point; of jumps alone.
-    pub bend: f64,
-}
 
 /// Units of a term.
 const UNITS: f64 = 16.0;
@@ -30,60 +17,44 @@ const CENTRE: f64 = 0.01;
 
 impl Psi {
     /// Bounds at points.
-    pub(super) fn errors(&self, points: &[Complex]) -> Vec<PsiErrors> {
+    pub(super) fn errors(&self, points: &[Complex]) -> Vec<PsiSizes> {
         match self {
             Self::Jumps(parts) => {
-                let mut sums = vec![PsiErrors::default(); points.len()];
+                let mut sums = vec![PsiSizes::default(); points.len()];
                 for part in parts {
-                    part.add(points, &mut sums, PsiErrors::far_away, Potential::errors);
+                    part.add(
+                        points,
+                        &mut sums,
+                        |far, z| far.sizes(z).rounded(UNITS),
+                        Potential::errors,
+                    );
                 }
                 sums
             }
-            Self::Polynomial(f) => {
-                let moduli = points.iter().map(|z| f.moduli(z.norm()));
-                let errors = moduli.map(|[_, value, slope]| PsiErrors { value, slope, bend: 0.0 });
-                errors.map(|own| own.scaled(f.units() * f64::EPSILON)).collect()
+            Self::Smooth(own) => {
+                let moduli = points.iter().map(|&z| own.psi.moduli(z, 0.0));
+                let errors = moduli.map(|[value, slope]| PsiSizes { value, slope, bend: 0.0 });
+                errors.map(|error| error.rounded(own.units()[0])).collect()
             }
         }
     }
 }
 
-impl PsiErrors {
-    fn scaled(self, units: f64) -> Self {
-        Self { value: units * self.value, slope: units * self.slope, ..self }
-    }
-
-    /// Those of a small shape at a point far away from it.
-    fn far_away(far: &FarField, z: Complex) -> Self {
-        let FarSizes { value, slope, bend } = far.sizes(z);
-        Self { value, slope, bend }.scaled(UNITS * f64::EPSILON)
-    }
-}
-
-impl Add for PsiErrors {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        let Self { value, slope, bend } = other;
-        Self { value: self.value + value, slope: self.slope + slope, bend: self.bend + bend }
-    }
-}
-
 impl Potential {
     /// Bounds at points.
-    fn errors(&self, points: &[Complex]) -> Vec<PsiErrors> {
+    fn errors(&self, points: &[Complex]) -> Vec<PsiSizes> {
         let logs = vectorised(
             #[inline(always)]
             || self.logs(points),
         );
         // One more for each addition.
-        let units = (UNITS + self.jumps.len() as f64) * f64::EPSILON;
+        let units = UNITS + self.jumps.len() as f64;
         // The background is off by no more than two units of the jumps from which it is found.
         let background = 0.5 * (self.background.abs() + 2.0 / UNITS * self.rounded);
         let mut errors = Vec::with_capacity(points.len());
         for z in points {
             let slope = background * z.norm();
-            errors.push(PsiErrors {
+            errors.push(PsiSizes {
                 value: 0.5 * slope * z.norm(),
                 slope: slope + self.constant.norm(),
                 bend: background,
@@ -98,7 +69,7 @@ impl Potential {
                 || {
                     for (i, (sum, &z)) in errors.iter_mut().zip(points).enumerate() {
                         let ends = ends.map(|end| end.map(|(v, logs)| [v - z, logs[i]]));
-                        let PsiErrors { value, slope, bend } = jump.sizes(z, ends);
+                        let PsiSizes { value, slope, bend } = jump.sizes(z, ends);
                         sum.value += factor * value;
                         sum.slope += factor * slope;
                         sum.bend += factor * bend;
@@ -106,7 +77,7 @@ impl Potential {
                 },
             );
         }
-        errors.into_iter().map(|own| own.scaled(units)).collect()
+        errors.into_iter().map(|own| own.rounded(units)).collect()
     }
 }
 
@@ -115,7 +86,7 @@ impl Jump {
     /// nu, power and logarithm of [`Potential`], whose gradients are 1, 2 nu and at most two over the distance from the
     /// curve, `(1 + nu)` times which bounds the power.
     #[inline(always)]
-    fn sizes(&self, z: Complex, ends: [Option<[Complex; 2]>; 2]) -> PsiErrors {
+    fn sizes(&self, z: Complex, ends: [Option<[Complex; 2]>; 2]) -> PsiSizes {
         let Arc { curve, span, .. } = self.arc;
         let Polar { nu, power } = curve.polar(z);
         let (nu, away) = (nu.norm().max(CENTRE), (z - curve.origin).norm());
@@ -146,7 +117,7 @@ impl Jump {
                     + 0.5 * radius * power * logs
             }
         };
-        PsiErrors { value, slope, bend }
+        PsiSizes { value, slope, bend }
     }
 }
 
@@ -184,7 +155,7 @@ mod tests {
             let errors = [&whole, &halves].map(|psi| psi.errors(&points));
             for (i, &z) in points.iter().enumerate() {
                 let [value, slope] = [0, 1].map(|which: usize| {
-                    let of = |own: &PsiErrors| if which == 0 { own.value } else { own.slope };
+                    let of = |own: &PsiSizes| if which == 0 { own.value } else { own.slope };
                     of(&errors[0][i]) + of(&errors[1][i])
                 });
                 let difference = halves.value(z) - whole.value(z);

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 /// Test of v being on the side of the value of a law that belongs to a flux.
 fn signed(law: Law, q: f64) -> Test {
-    Test { quantity: Quantity::Value, sign: sign(law, q), constant: law.at() }
+    Test { sign: sign(law, q), ..Test::of(Quantity::Above) }
 }
 
 /// Violation of the law by the flux on a cell, where v should have its value.
@@ -81,6 +81,18 @@ fn excess(samples: &[Sampled], ring: usize) -> Option<f64> {
     Some(excess)
 }
 
+/// True if the values of the laws on both sides of a split differ.
+fn has_step(proof: &Proof, split: usize) -> bool {
+    let (walk, domain) = (&proof.fit.walk, &proof.setup.domain);
+    let beside = walk.intervals.iter().filter(|own| own.splits.contains(&split));
+    let beside = beside.map(|own| domain.side(own)).filter(|side| !side.law.is_free());
+    let at = beside.map(|side| (domain.value(side, walk.splits[split].z).0, side.off));
+    let [least, most] = at.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], (at, off)| {
+        [least.min(at + off), most.max(at - off)]
+    });
+    least < most
+}
+
 /// Distance of v from what it should be.
 pub(super) struct Distances {
     /// Bound of the distance of v from the value of the law where it should have that, and of that part of v that is on
@@ -101,10 +113,7 @@ impl Distances {
         let (mut delta, mut rooms) = (0.0f64, Vec::with_capacity(samples.len()));
         for own in samples {
             let (most, room) = match condition(proof, own) {
-                (State::Held, law) => {
-                    let test = Test { constant: law.at(), ..Test::of(Quantity::Value) };
-                    (own.most(test), 0.0)
-                }
+                (State::Held, _) => (own.most(Test::of(Quantity::Above)), 0.0),
                 (State::Flux(q), law) if law.may_move() => {
                     let deficit = own.deficit(signed(law, q));
                     (deficit.most, deficit.room)
@@ -121,6 +130,11 @@ impl Distances {
             let r = if own.own.cell.is_log { own.own.cell.span[1] } else { 1.0 };
             slopes.push(match condition(proof, own) {
                 (State::Flux(_), law) if law.is_free() => 2.0 * delta / interval.length * r,
+                (State::Flux(_), _) if has_step(proof, interval.splits[own.own.side]) => match room
+                {
+                    room if room >= delta => 4.0 * delta / interval.length * r,
+                    _ => f64::INFINITY,
+                },
                 (State::Flux(_), _) if room >= delta => 0.0,
                 _ => own.most(Test::of(Quantity::Slope)),
             });

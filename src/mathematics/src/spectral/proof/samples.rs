@@ -2,9 +2,9 @@
 
 use super::cells::{POINTS, ProofCell, legendre};
 use super::moduli::Moduli;
-use super::psi_errors::PsiErrors;
 use crate::machine::simd::vectorised;
 use crate::spectral::fit::field::PlaneNode;
+use crate::spectral::source::psi::PsiSizes;
 use std::sync::LazyLock;
 
 /// Weights of all cells.
@@ -15,10 +15,19 @@ static LEGENDRE: LazyLock<Vec<[f64; POINTS]>> = LazyLock::new(legendre);
 pub(super) enum Quantity {
     /// v.
     Value,
+    /// v less the value of the law.
+    Above,
     /// dv/dn.
     Flux,
-    /// Derivative of v along the boundary.
+    /// Derivative of that along the boundary.
     Slope,
+}
+
+impl Quantity {
+    /// 0 for values, 1 for slopes.
+    fn which(self) -> usize {
+        usize::from(matches!(self, Self::Flux | Self::Slope))
+    }
 }
 
 /// Bounds of moduli on the ellipse of a cell, as sums of `factor r^power`; for slopes of r times them.
@@ -29,18 +38,20 @@ pub(super) struct CellModuli {
     /// All but the functions of the split.
     pub rest: Moduli,
     pub psi: Moduli,
+    /// The value of the law, which is in all but psi too.
+    pub at: Moduli,
 }
 
 /// Values on a cell.
 pub(super) struct Sampled {
     pub own: ProofCell,
     pub nodes: Vec<PlaneNode>,
-    /// Derivatives along the boundary.
+    /// Derivatives of v less the value of the law along the boundary.
     pub slopes: Vec<f64>,
     /// Bounds of the rounding errors of values and of slopes.
     pub rounding: Vec<[f64; 2]>,
     /// Those of psi and its gradient.
-    pub psi: Vec<PsiErrors>,
+    pub psi: Vec<PsiSizes>,
     pub moduli: CellModuli,
     /// Distances from the end.
     distances: Vec<f64>,
@@ -90,7 +101,9 @@ impl Sampled {
         let bends = [Quantity::Flux, Quantity::Slope].map(|own| self.bend(Test::of(own)));
         let bend = bends[0] + bends[1];
         let sizes = self.nodes.iter().zip(&self.slopes);
-        let sizes: Vec<f64> = sizes.map(|(node, slope)| node.flux.abs() + slope.abs()).collect();
+        let sizes: Vec<f64> = sizes
+            .map(|(node, slope)| node.flux.abs() + slope.abs() + self.moduli.at.slope)
+            .collect();
         let most = sizes.iter().fold(0.0f64, |most, size| most.max(*size));
         // The normal is off too.
         let turned = most * (1.0 + 2.0 * curvature.abs());
@@ -125,6 +138,7 @@ impl Sampled {
     fn tested(&self, test: Test, i: usize) -> f64 {
         let raw = match test.quantity {
             Quantity::Value => self.nodes[i].value,
+            Quantity::Above => self.nodes[i].above(),
             Quantity::Flux => self.nodes[i].flux,
             Quantity::Slope => self.slopes[i],
         };
@@ -137,7 +151,7 @@ impl Sampled {
     /// The polynomial through the values is at most the sum of the moduli of its coefficients in Legendre's
     /// polynomials.
     pub(super) fn bounds(&self, test: Test, power: f64) -> [f64; 2] {
-        let which = usize::from(test.quantity != Quantity::Value);
+        let which = test.quantity.which();
         let (mut error, weights) = (0.0f64, self.weights(power));
         for (weight, errors) in weights.iter().zip(&self.rounding) {
             error = error.max(weight * errors[which]);
@@ -182,7 +196,7 @@ impl Sampled {
 
     /// Bound of the modulus of a tested function times `(r / to)^power` on the ellipse.
     fn modulus(&self, test: Test, power: f64) -> f64 {
-        let (cell, which) = (&self.own.cell, usize::from(test.quantity != Quantity::Value));
+        let (cell, which) = (&self.own.cell, test.quantity.which());
         let terms = if which == 0 { &self.moduli.value } else { &self.moduli.slope };
         let constant = [[which as f64, test.constant.abs()]];
         let weights = cell.distances.map(|r| libm::pow(r / cell.span[1], power));
@@ -196,7 +210,7 @@ impl Sampled {
 
     /// Largest modulus; of a slope on a cell in log r, times r.
     pub(super) fn most(&self, test: Test) -> f64 {
-        let scaled = self.own.cell.is_log && test.quantity != Quantity::Value;
+        let scaled = self.own.cell.is_log && test.quantity.which() == 1;
         match scaled {
             true => self.own.cell.span[1] * self.bounds(test, 1.0)[1],
             false => self.bounds(test, 0.0)[1],
@@ -206,7 +220,7 @@ impl Sampled {
     /// Bound of the deficit by rounding alone: of its integral.
     pub(super) fn noise(&self, quantity: Quantity) -> f64 {
         let cell = &self.own.cell;
-        let which = usize::from(quantity != Quantity::Value);
+        let which = quantity.which();
         let mut most = 0.0f64;
         for (r, error) in self.distances.iter().zip(&self.rounding) {
             most = most.max(error[which] * if cell.is_log && which == 1 { *r } else { 1.0 });
@@ -219,7 +233,7 @@ impl Sampled {
         let cell = &self.own.cell;
         let [from, to] = cell.span;
         let [first, last] = [0, POINTS - 1].map(|i| self.tested(test, i));
-        let base = if cell.is_log && test.quantity != Quantity::Value { 1.0 } else { 0.0 };
+        let base = if cell.is_log && test.quantity.which() == 1 { 1.0 } else { 0.0 };
         let mut powers = vec![base];
         if first * last > 0.0 && cell.distances[0] > 0.0 {
             let ratio = libm::log(self.distances[POINTS - 1] / self.distances[0]);

@@ -3,7 +3,7 @@
 use super::super::geometry::domain::PlaneDomain;
 use super::super::geometry::polygons::{circle, polygon, square};
 use super::super::geometry::side::PlaneSide;
-use super::super::source::polynomial::Polynomial;
+use super::super::source::smooth::SmoothSource;
 use super::*;
 use crate::problem::formula::Formula;
 use crate::problem::law::{BoundaryState, Law};
@@ -127,9 +127,9 @@ fn polygons_and_discs_have_the_digits_of_two_levels() {
     let found = solved(disc.clone(), pieces("halfplane(1,.3,-.1)=4; else=-7"), &ends);
     assert!((found.energy + 4.500172948).abs() < 1e-9, "{}", found.energy);
     let f = Formula::read("7*(x^2 - y^2) - 1.5", 2).unwrap();
-    let f = Polynomial::of_formula(&f, &disc).unwrap();
+    let f = SmoothSource::of_formula(&f, &disc).unwrap();
     let (y, x) = libm::sincos(0.64052232);
-    let found = solved(disc, PlaneSource::Polynomial(f), &[[x, y], [-x, y], [-x, -y], [x, -y]]);
+    let found = solved(disc, PlaneSource::Smooth(f), &[[x, y], [-x, y], [-x, -y], [x, -y]]);
     assert!((found.energy + 0.744911466).abs() < 1e-9, "{}", found.energy);
 }
 
@@ -138,7 +138,7 @@ fn a_formula_of_degree_sixteen_has_a_bracket_that_holds_the_known_energy() {
     // v = -(1 - x^16)(1 - y^2) is zero on the boundary, and dv/dn is not negative.
     let domain = polygon(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]);
     let f = Formula::read("-240*x^14*(1 - y^2) - 2*(1 - x^16)", 2).unwrap();
-    let source = PlaneSource::Polynomial(Polynomial::of_formula(&f, &domain).unwrap());
+    let source = PlaneSource::Smooth(SmoothSource::of_formula(&f, &domain).unwrap());
     let along = 256.0 * 2.0 / 31.0 * 16.0 / 15.0;
     let across = 8.0 / 3.0 * 2.0 * (1.0 - 2.0 / 17.0 + 1.0 / 33.0);
     let known: f64 = -0.5 * (along + across);
@@ -150,6 +150,20 @@ fn a_formula_of_degree_sixteen_has_a_bracket_that_holds_the_known_energy() {
     assert!(upper - lower < -1e-6 * known, "{lower} {upper}");
     let place = 4.0 * f64::EPSILON * known.abs();
     assert!(lower <= known + place && known - place <= upper, "{lower} {known} {upper}");
+    assert!((found.values(&[[0.0; 2]])[0] + 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn waves_have_a_bracket_that_holds_the_known_energy() {
+    // v = -cos(pi x / 2) cos(pi y / 2) is zero on the boundary, and dv/dn is not negative.
+    let domain = polygon(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]);
+    let f = Formula::read("-pi^2/2*cos(pi*x/2)*cos(pi*y/2)", 2).unwrap();
+    let source = PlaneSource::Smooth(SmoothSource::of_formula(&f, &domain).unwrap());
+    let found = solved(domain, source, &[]);
+    let known = -0.25 * PI * PI;
+    assert!((found.energy / known - 1.0).abs() < 1e-14, "{}", found.energy);
+    let [lower, upper] = found.bracket.unwrap();
+    assert!(lower <= known && known <= upper, "{lower} {known} {upper}");
     assert!((found.values(&[[0.0; 2]])[0] + 1.0).abs() < 1e-12);
 }
 
@@ -275,7 +289,9 @@ fn regions_are_as_pieces_and_v_solves_the_equation_in_any_coordinates() {
     assert!((gradient[1] - (above - below) / (2.0 * step)).abs() < 1e-5, "{gradient:?}");
     // In contact v is zero, and outside of it the flux.
     let own = &small.components[0];
-    let [[value, _], [_, flux]] = [0.9, 0.2].map(|s| own.found_at(0, SidePlace { side: 0, s }));
+    let (frame, side) = (own.setup.domain.frame, &own.setup.domain.rings[0].sides[0]);
+    let value = own.values(&[frame.outside(side.point(0.9))])[0] / frame.of_value();
+    let flux = own.gradient(side.point(0.2)).dot(-side.tangent(0.2).turned());
     assert!(value.abs() < 1e-12 && flux.abs() < 1e-9, "{value} {flux}");
 }
 

@@ -43,23 +43,14 @@ impl Changes {
         self.field += 2.0 * most * width * (1.0 + libm::log((length / width).max(1.0)));
     }
 
-    /// |g| is at most `most` between two curves that are this far apart at the worst of the ends and the middle of a
-    /// part of this length, or of three equal parts of a circle; less than [`UNITS`] is rounding.
+    /// |g| is at most `most` between a part of this length of a curve and another curve, which are this far apart at the
+    /// worst of its ends and its middle, of three equal parts of a circle, or of the points that cut it into eight; less
+    /// than [`UNITS`] is rounding.
     ///
     /// Their distance is about a quadratic function on the part, at most 5/4 of that, or, on a circle, a constant with
-    /// a sine and a cosine, at most 7/3.
+    /// a sine and a cosine, at most 7/3; seen at the points that cut it into eight it is linear or bends one way, by its
+    /// second differences less than six times that.
     pub(crate) fn add_between(&mut self, most: f64, off: f64, length: f64) {
-        if off > UNITS {
-            self.add_strip(most, [2.4 * off, length]);
-        }
-    }
-
-    /// A piece of this length between two sides, which crosses none, counts as outside of the domain: |g| is at most
-    /// `most` between it and a side from whose curve it is this far at the worst of the points that cut it into eight.
-    ///
-    /// Its distance from that curve is linear or bends one way: by its second differences it is less than six times
-    /// that.
-    pub(crate) fn add_outside(&mut self, most: f64, off: f64, length: f64) {
         if off > UNITS {
             self.add_strip(most, [6.0 * off, length]);
         }
@@ -145,7 +136,7 @@ mod tests {
             let off = (1..8).map(|k| at(2 * k)).fold(0.0, f64::max);
             let between = (0..=16).map(at).fold(0.0, f64::max);
             let mut changes = Changes::default();
-            changes.add_outside(1.0, off, 1.0);
+            changes.add_between(1.0, off, 1.0);
             assert!(between <= changes.mass, "{b} {c}: {between} {changes:?}");
         }
     }

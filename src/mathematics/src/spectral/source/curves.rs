@@ -266,7 +266,7 @@ impl Jumps {
             let inside = cut.iter().any(|cut| !cut.side) || depth > curve.rounding().max(APART);
             if !inside && depth > 0.0 {
                 let off = off_side(domain, curve, span);
-                self.changes.add_outside(self.most, off, span[1] - span[0]);
+                self.changes.add_between(self.most, off, span[1] - span[0]);
             }
             if inside {
                 let shorter = beside.iter().filter_map(|&s| shorter_part(curve, span, s));

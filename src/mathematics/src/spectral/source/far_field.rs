@@ -13,6 +13,7 @@ use crate::problem::complex::Complex;
 use crate::spectral::complex::ln;
 use crate::spectral::geometry::panels::{GaussNode, gauss};
 use crate::spectral::source::potential::{Jump, Potential};
+use crate::spectral::source::psi::PsiSizes;
 use std::f64::consts::{PI, TAU};
 
 /// psi outside of a shape, all seen from the middle of its box.
@@ -32,13 +33,6 @@ enum Charges {
     Segments(f64),
     /// Moments.
     Moments(Vec<Complex>),
-}
-
-/// Sizes of psi, of its gradient, and of the derivatives of that, at a distance from a shape.
-pub(crate) struct FarSizes {
-    pub value: f64,
-    pub slope: f64,
-    pub bend: f64,
 }
 
 impl FarField {
@@ -125,14 +119,14 @@ impl FarField {
     }
 
     /// Bounds of the moduli of all terms at a point where psi is found so.
-    pub(crate) fn sizes(&self, z: Complex) -> FarSizes {
+    pub(crate) fn sizes(&self, z: Complex) -> PsiSizes {
         let (least, half) = (self.away(z), self.extent.half[0]);
         let most = z.norm() + 2.0 * half;
         let log = libm::log(least).abs().max(libm::log(most).abs());
         let size = self.mass / TAU;
         // Of the logarithm that a segment has, over its length.
         let part = if least > 2.0 * half { 2.0 / least } else { (2.0 * log + PI) / (2.0 * half) };
-        FarSizes {
+        PsiSizes {
             value: size * (2.0 + log + most * part),
             slope: size * part,
             bend: size * part / least,

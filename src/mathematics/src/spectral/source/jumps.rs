@@ -16,7 +16,7 @@ use std::f64::consts::{PI, TAU};
 /// f with psi, its jumps inside of the domain, and where these meet the boundary.
 pub(crate) struct PlaneJumps {
     pub psi: Psi,
-    /// Jumps, none of a polynomial.
+    /// Jumps, none of a smooth f.
     pub groups: Vec<JumpGroup>,
     /// Points of the boundary at which jumps end, one for each of their ends.
     pub crossings: Vec<PlaneCrossing>,
@@ -33,13 +33,13 @@ impl PlaneJumps {
     /// [`PlaneError`] if f has parts that are too small, or jumps that do not fit.
     pub(crate) fn new(domain: &PlaneDomain, source: &PlaneSource) -> Result<Self, PlaneError> {
         match source {
-            PlaneSource::Polynomial(f) => Ok(Self {
-                psi: Psi::Polynomial(f.clone()),
+            PlaneSource::Smooth(f) => Ok(Self {
+                psi: Psi::Smooth(f.clone()),
                 groups: Vec::new(),
                 crossings: Vec::new(),
                 changes: Changes::of_disc(f.error, f.radius),
                 // v less psi has its bounds on the boundary.
-                inner: 2.0 * f.moduli(f.radius)[1],
+                inner: 2.0 * f.psi.size(f.radius),
                 singular: Vec::new(),
             }),
             PlaneSource::Pieces(regions) => Self::of_regions(domain, regions),

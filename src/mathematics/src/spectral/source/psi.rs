@@ -2,11 +2,11 @@
 //!
 //! With z seen from a jump J along an arc from a to b, psi is the sum of
 //! `-(J / 4 pi) Im int conj(w - z) (log|w - z| + 1/2) dw`: logarithms for a segment, the dilogarithm for an arc. A
-//! polynomial f, the real part of a sum of `c z^j conj(z)^k`, has
-//! `psi = -Re sum c z^(j+1) conj(z)^(k+1) / (4 (j + 1) (k + 1))`.
+//! smooth f ([`smooth`](super::smooth)) has for `Re c z^j conj(z)^k` the term
+//! `-Re c z^(j+1) conj(z)^(k+1) / (4 (j + 1) (k + 1))`, and for `Re c exp(a z + b conj(z))` itself over `-4 a b`.
 
 use super::far_field::FarField;
-use super::polynomial::Polynomial;
+use super::smooth::SmoothSource;
 use crate::machine::simd::vectorised;
 use crate::problem::complex::Complex;
 use crate::spectral::complex::ln;
@@ -18,7 +18,33 @@ use std::ops::Add;
 #[derive(Clone)]
 pub(crate) enum Psi {
     Jumps(Vec<PsiPart>),
-    Polynomial(Polynomial),
+    Smooth(SmoothSource),
+}
+
+/// Bounds at a point: of psi, of its gradient, and of the change of that over the change of the point, of jumps alone;
+/// or of their rounding errors.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PsiSizes {
+    pub value: f64,
+    pub slope: f64,
+    pub bend: f64,
+}
+
+impl PsiSizes {
+    /// Rounding errors of numbers with these sizes.
+    pub(crate) fn rounded(self, units: f64) -> Self {
+        let units = units * f64::EPSILON;
+        Self { value: units * self.value, slope: units * self.slope, ..self }
+    }
+}
+
+impl Add for PsiSizes {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        let Self { value, slope, bend } = other;
+        Self { value: self.value + value, slope: self.slope + slope, bend: self.bend + bend }
+    }
 }
 
 /// Part of psi that belongs to some jumps, seen from a point.
@@ -119,11 +145,11 @@ impl Psi {
         seen
     }
 
-    /// Parts of jumps, none of a polynomial.
+    /// Parts of jumps, none of a smooth f.
     pub(crate) fn parts(&self) -> &[PsiPart] {
         match self {
             Self::Jumps(parts) => parts,
-            Self::Polynomial(_) => &[],
+            Self::Smooth(_) => &[],
         }
     }
 
@@ -135,7 +161,7 @@ impl Psi {
                 parts.iter().for_each(|part| part.add_gradients(points, &mut sums));
                 sums
             }
-            Self::Polynomial(f) => points.iter().map(|&z| f.psi_gradient(z)).collect(),
+            Self::Smooth(own) => points.iter().map(|&z| own.psi.gradient(z)).collect(),
         }
     }
 
@@ -147,7 +173,7 @@ impl Psi {
                 parts.iter().for_each(|part| part.add_values(points, &mut sums));
                 sums
             }
-            Self::Polynomial(f) => points.iter().map(|&z| f.psi(z)).collect(),
+            Self::Smooth(own) => points.iter().map(|&z| own.psi.value(z)).collect(),
         }
     }
 
@@ -159,7 +185,7 @@ impl Psi {
     /// f at a point, where psi belongs to jumps off them.
     pub(crate) fn source(&self, z: Complex) -> f64 {
         match self {
-            Self::Polynomial(f) => f.value(z),
+            Self::Smooth(own) => own.f.value(z),
             Self::Jumps(parts) => parts.iter().map(|part| part.source(z)).sum(),
         }
     }

@@ -33,11 +33,6 @@ impl RealPolynomial {
         rows.flat_map(|(k, row)| row.iter().enumerate().map(move |(m, c)| (k, m, *c)))
     }
 
-    /// Number of terms that are not zero.
-    pub(crate) fn terms(&self) -> usize {
-        self.all().filter(|(_, _, c)| *c != Complex::default()).count()
-    }
-
     /// Bound of the modulus for |z| up to a radius: the sum of those of all terms.
     pub(crate) fn size(&self, radius: f64) -> f64 {
         let mut power = 1.0;

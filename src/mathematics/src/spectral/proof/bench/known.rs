@@ -5,9 +5,7 @@ use crate::problem::law::{BoundaryState, Law};
 use crate::spectral::contact::search::PlaneFound;
 use crate::spectral::fit::Fit;
 use crate::spectral::geometry::domain::PlaneDomain;
-pub(in crate::spectral::proof) use crate::spectral::geometry::polygons::{
-    circle, loop_of as polygon,
-};
+pub(crate) use crate::spectral::geometry::polygons::{circle, loop_of as polygon};
 use crate::spectral::geometry::ring::RingContact;
 use crate::spectral::geometry::side::PlaneSide;
 use crate::spectral::problem::PlaneProblem;
@@ -16,7 +14,7 @@ use crate::spectral::source::{PlaneSource, Regions};
 use std::f64::consts::{LN_2, PI};
 
 /// Problem with a contact set and the energy of its solution.
-pub(in crate::spectral::proof) struct BenchProblem {
+pub(crate) struct BenchProblem {
     pub name: &'static str,
     pub problem: PlaneProblem,
     pub contact: Vec<RingContact>,
@@ -26,7 +24,7 @@ pub(in crate::spectral::proof) struct BenchProblem {
 }
 
 /// Data of a solved problem with its solution.
-pub(in crate::spectral::proof) struct SolvedKnown {
+pub(crate) struct SolvedKnown {
     pub name: &'static str,
     pub setup: Setup,
     pub found: PlaneFound,
@@ -35,7 +33,7 @@ pub(in crate::spectral::proof) struct SolvedKnown {
 
 impl BenchProblem {
     /// All conditions on a level.
-    pub(in crate::spectral::proof) fn solved(self) -> SolvedKnown {
+    pub(crate) fn solved(self) -> SolvedKnown {
         let level = if self.is_hard { &Level::FINE[1] } else { &Level::COARSE };
         let setup = Setup::new(&self.problem).unwrap();
         let fit = Fit::new(&setup, &self.contact, level);
@@ -45,17 +43,17 @@ impl BenchProblem {
 }
 
 /// Loop on which all sticks.
-pub(in crate::spectral::proof) fn sticks() -> RingContact {
+pub(crate) fn sticks() -> RingContact {
     RingContact::default()
 }
 
 /// Loop on which nothing sticks.
-pub(in crate::spectral::proof) fn slips(gap: BoundaryState) -> RingContact {
+pub(crate) fn slips(gap: BoundaryState) -> RingContact {
     RingContact { arcs: Vec::new(), gaps: vec![gap] }
 }
 
 /// f constant on pieces.
-pub(in crate::spectral::proof) fn pieces(f: &str) -> PlaneSource {
+pub(crate) fn pieces(f: &str) -> PlaneSource {
     PlaneSource::Pieces(Regions::all(f.parse().unwrap()))
 }
 
@@ -99,8 +97,8 @@ impl Radial {
 
     /// With a value on the inner circle, and a flux on the outer one.
     pub(super) fn rising(f: f64, value: f64, flux: f64) -> Self {
-        let Self { a, b, .. } = Self::slipping(f, flux);
-        Self { f, a: a + value, b }
+        let b = flux + 0.5 * f;
+        Self { f, a: value + f / 16.0 + b * LN_2, b }
     }
 
     /// With a flux on the inner circle, and a value on the outer one.
@@ -123,31 +121,6 @@ impl Radial {
     /// Integral of v over the area, over a turn.
     fn mean(&self) -> f64 {
         self.a * 0.375 + self.b * (LN_2 / 8.0 - 3.0 / 16.0) - self.f * 15.0 / 256.0
-    }
-
-    /// With v = 0 on the inner circle, and a flux on the outer one.
-    pub(super) fn slipping(f: f64, flux: f64) -> Self {
-        let b = flux + 0.5 * f;
-        Self { f, a: f / 16.0 + b * LN_2, b }
-    }
-
-    /// With v = 0 on the outer circle, and no flux on the inner one.
-    pub(super) fn insulated(f: f64) -> Self {
-        Self { f, a: 0.25 * f, b: f / 8.0 }
-    }
-
-    /// With v = 0 on both.
-    pub(super) fn held(f: f64) -> Self {
-        Self { f, a: 0.25 * f, b: 3.0 * f / (16.0 * LN_2) }
-    }
-
-    fn outer(&self) -> f64 {
-        self.a - 0.25 * self.f
-    }
-
-    /// Energy, with a flux on the outer circle where v is not zero there.
-    pub(super) fn energy(&self, flux: f64) -> f64 {
-        -PI * self.f * self.mean() - PI * flux * self.outer()
     }
 }
 

@@ -15,7 +15,7 @@ use crate::spectral::setup::Setup;
 
 /// Harmonic function that is added to v.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::spectral::proof) enum Spoiling {
+pub(crate) enum Spoiling {
     /// Re c z^n.
     Power(usize, Complex),
     /// A pole at this share of an interval's length behind its middle.
@@ -28,7 +28,7 @@ pub(in crate::spectral::proof) enum Spoiling {
 
 impl Spoiling {
     /// Adds the function to a fit.
-    pub(in crate::spectral::proof) fn spoil(self, fit: &mut Fit) {
+    pub(crate) fn spoil(self, fit: &mut Fit) {
         match self {
             Self::Power(n, c) => {
                 let parts = coordinates(&fit.functions.arnoldi, n);
@@ -94,11 +94,7 @@ fn coordinates(arnoldi: &[Vec<Complex>], n: usize) -> Vec<Complex> {
 }
 
 /// Integrals of what was added to v: that by which the energy changes, and one that bounds of the energy may need.
-pub(in crate::spectral::proof) fn added(
-    setup: &Setup,
-    before: &Fit,
-    after: &PlaneFound,
-) -> [f64; 2] {
+pub(crate) fn added(setup: &Setup, before: &Fit, after: &PlaneFound) -> [f64; 2] {
     let (mut change, mut most, mut flux) = (0.0, 0.0f64, 0.0);
     let spots: Vec<Spot> = after.nodes.iter().map(|node| node.spot).collect();
     for (old, new) in nodes_at(setup, before, &spots).iter().zip(&after.nodes) {
@@ -112,7 +108,7 @@ pub(in crate::spectral::proof) fn added(
 }
 
 /// Spoilings of a solution: everywhere, next to each interval, at ends and in holes, in both directions.
-pub(in crate::spectral::proof) fn spoilings(own: &SolvedKnown) -> Vec<Spoiling> {
+pub(crate) fn spoilings(own: &SolvedKnown) -> Vec<Spoiling> {
     let walk = &own.found.fit.walk;
     let mut all = vec![Spoiling::Power(0, Complex::new(-1e-3, 0.0))];
     let has_ends = walk.splits.iter().any(|split| split.end.is_some());
@@ -142,7 +138,7 @@ pub(in crate::spectral::proof) fn spoilings(own: &SolvedKnown) -> Vec<Spoiling> 
 }
 
 /// Checks that bounds hold an energy that is known but for rounding, with a name for messages.
-pub(in crate::spectral::proof) fn check(name: &str, [lower, upper]: [f64; 2], energy: f64) {
+pub(crate) fn check(name: &str, [lower, upper]: [f64; 2], energy: f64) {
     let unit = 2.0 * f64::EPSILON * energy.abs();
     assert!(lower <= energy + unit && energy - unit <= upper, "{name}: {lower} {energy} {upper}");
 }

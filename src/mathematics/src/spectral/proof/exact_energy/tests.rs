@@ -6,8 +6,8 @@ use crate::spectral::geometry::panels::{Spot, gauss};
 use crate::spectral::proof::bench::known::SolvedKnown;
 use crate::spectral::proof::bench::spoilt::Spoiling;
 use crate::spectral::proof::bench::{all_known, solved};
-use crate::spectral::proof::psi_errors::PsiErrors;
 use crate::spectral::proof::samples::{Quantity, Test};
+use crate::spectral::source::psi::PsiSizes;
 
 /// Names of problems with all states, f of both kinds, and cells of both kinds.
 const NAMES: [&str; 5] = [
@@ -24,7 +24,7 @@ const VALUES: [Option<f64>; 2] = [None, Some(-300.0)];
 impl SolvedKnown {
     /// The problem with another value of all laws that have one, and the same v.
     fn with_values(mut self, value: Option<f64>) -> Self {
-        for own in &mut self.found.fit.walk.intervals {
+        for own in self.setup.domain.rings.iter_mut().flat_map(|ring| &mut ring.sides) {
             own.law = value.map_or(own.law, |at| own.law.with_at(at).unwrap());
         }
         self
@@ -57,7 +57,7 @@ fn rounding_errors_count_by_the_derivatives_of_the_energy() {
                 for which in 0..6 {
                     let (mut spoilt, mut harmonic) = (sampled.nodes.clone(), copies(&nodes));
                     sampled.rounding.fill([0.0; 2]);
-                    sampled.psi.fill(PsiErrors::default());
+                    sampled.psi.fill(PsiSizes::default());
                     match which {
                         0 => spoilt[i].value += size,
                         1 => spoilt[i].flux += size,
@@ -91,7 +91,7 @@ fn rounding_errors_count_by_the_derivatives_of_the_energy() {
                     nodes.iter_mut().for_each(|h| h.errors = [0.0; 2]);
                     let mut none = BoundedEnergy::default();
                     sampled.rounding.fill([0.0; 2]);
-                    sampled.psi.fill(PsiErrors::default());
+                    sampled.psi.fill(PsiSizes::default());
                     none.add_rounding(&proof, sampled, &nodes);
                     let error = sum.error - none.error;
                     let weight = sampled.nodes[i].spot.weight;
@@ -106,7 +106,7 @@ fn rounding_errors_count_by_the_derivatives_of_the_energy() {
                     assert!(error < 120.0 * far * size * weight + noise, "{name}: {error:e}");
                     let given = sampled.nodes.iter().map(|node| {
                         let flux = if let State::Flux(q) = node.state { q } else { node.flux };
-                        node.spot.weight * (node.law.at() * flux).abs()
+                        node.spot.weight * (node.at * flux).abs()
                     });
                     assert!(sum.terms > given.sum::<f64>(), "{name}");
                 }

@@ -3,6 +3,7 @@
 use super::*;
 use crate::problem::law::Law;
 use crate::spectral::geometry::polygons::loop_of;
+use crate::spectral::geometry::side::SidePlace;
 
 /// Domain of loops of corners, whose sides are free along these lines x = .. and y = ... .
 fn with_free(loops: &[&[[f64; 2]]], lines: [Option<f64>; 2]) -> PlaneDomain {

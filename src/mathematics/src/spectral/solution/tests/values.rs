@@ -6,10 +6,12 @@
 //! J(v) = J(z) + 1/2 int |grad G|^2 - int f G - int h G,     the last one over free sides.
 //! ```
 
+use super::super::super::problem::set_value;
 use super::*;
 use crate::mesh::{AnyMesh, BuiltIn};
 use crate::problem::source::Source;
 use crate::spectral::geometry::polygons::loop_of;
+use crate::spectral::true_solution_on;
 use std::f64::consts::LN_2;
 
 /// Solution from one arc on each loop, between points near its ends, or none.
@@ -128,7 +130,7 @@ fn a_fixed_value_beside_a_gap_with_a_flux_is_a_load() {
     let free = Law::FREE;
     let formula = |text: &str, domain: &PlaneDomain| {
         let f = Formula::read(text, 2).unwrap();
-        PlaneSource::Polynomial(Polynomial::of_formula(&f, domain).unwrap())
+        PlaneSource::Smooth(SmoothSource::of_formula(&f, domain).unwrap())
     };
     let bottom = Law::above(gap, flux).unwrap();
     let own = rectangle([bottom, free, Law::fixed(c).unwrap(), free]);
@@ -146,14 +148,71 @@ fn a_fixed_value_beside_a_gap_with_a_flux_is_a_load() {
 }
 
 #[test]
-fn values_by_formulas_are_refused() {
+fn a_disc_above_a_plane_has_the_digits_of_the_closed_form() {
+    let mut mesh = AnyMesh::from(BuiltIn::Disc.plane().unwrap());
+    mesh.set_value("rim", "x").unwrap();
+    let found = true_solution_on(mesh.plane().unwrap(), &[Source::constant(-1.0)]).unwrap();
+    let (known, [lower, upper]) = (1.222_749_345_068_3, found.bracket.unwrap());
+    assert!((found.energy - known).abs() < 1e-13, "{}", found.energy);
+    assert!(lower < known && known < upper && upper - lower < 1e-9, "{lower} {upper}");
+    let [arc] = &found.contact[..] else { panic!("{:?}", found.contact) };
+    for (end, y) in [(arc.from, -1.0), (arc.to, 1.0)] {
+        assert!(end[0].abs() < 1e-9 && (end[1] - y).abs() < 1e-9, "{arc:?}");
+    }
+    assert!((found.force - PI).abs() < 1e-12, "{}", found.force);
+    assert!((found.on_boundary([0.8, 0.6])[0] - 0.8).abs() < 1e-15);
+}
+
+/// Values on the sides of the square of side 1 round the origin, by a mesh.
+fn on_square(law: Law, value: &str, f: &str) -> Result<TrueSolution, PlaneError> {
     let mut mesh = AnyMesh::from(BuiltIn::Square.plane().unwrap());
-    let f = [Source::constant(-1.0)];
-    mesh.set_law("boundary", Law::fixed(1.0).unwrap()).unwrap();
-    assert!(PlaneProblem::on_mesh(mesh.plane().unwrap(), &f).is_ok());
-    mesh.set_value("boundary", "0.1*x").unwrap();
-    let refused = PlaneProblem::on_mesh(mesh.plane().unwrap(), &f).unwrap_err().to_string();
-    assert!(refused.contains("the law on boundary has a formula"), "{refused}");
+    mesh.set_law("boundary", law).unwrap();
+    mesh.set_value("boundary", value).unwrap();
+    true_solution_on(mesh.plane().unwrap(), &[f.parse().unwrap()])
+}
+
+#[test]
+fn values_by_formulas_are_those_of_a_lift() {
+    let gap = Law::above(0.5, 0.0).unwrap();
+    let refused = on_square(gap, "0.1*abs(x)", "else=-1").err().unwrap().to_string();
+    assert!(refused.contains("the value of v on boundary is no sum of"), "{refused}");
+    // G = a x + b y + c is harmonic: J(v) = J(z) + 1/2 (a^2 + b^2) - int f G.
+    let f = "quadrant(ll)=3; else=-1.1";
+    let of_z = on_square(Law::FIXED, "0", f).unwrap();
+    let of_v = on_square(Law::FIXED, "0.3*x - 0.2*y + 1", f).unwrap();
+    // The integral of f is 3/4 - 1.1 * 3/4, and those of f x and f y are -4.1/16.
+    let moved = 0.5 * 0.13 + 0.075 + 0.1 * 4.1 / 16.0;
+    check_lifted(&of_v, &of_z, moved);
+}
+
+#[test]
+fn a_gap_by_a_cosine_has_the_reference_digits() {
+    let laws = [Law::SIGNORINI, Law::FREE, Law::fixed(1.0).unwrap(), Law::FREE];
+    let mut domain = rectangle(laws);
+    let gap = Formula::read("0.2 + 0.45*(1 - cos(pi*x))", 2).unwrap();
+    set_value(&mut domain, 0, &gap).unwrap();
+    let found = found(domain, pieces("else=-1"), &[&[[0.79, 0.0], [1.0, 0.0]]]);
+    let [lower, upper] = found.bracket.unwrap();
+    let known = 0.494_429_697_794_469;
+    assert!(lower <= known && known <= upper && upper - lower < 1e-9, "{lower} {upper}");
+    assert!((found.energy - known).abs() < 1e-13, "{}", found.energy);
+    let end = found.contact[0].from[0];
+    assert!((end - 0.789_526_093_591).abs() < 1e-10, "{end}");
+}
+
+#[test]
+fn v_leaves_a_gap_next_to_a_larger_value() {
+    let (gap, fixed) = (Law::above(0.25, 0.0).unwrap(), Law::fixed(1.0).unwrap());
+    let free = Law::FREE;
+    let own = rectangle([gap, fixed, free, free]);
+    // The same where contact may be on the left half alone.
+    let corners = [[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [1.0, 0.5], [0.0, 0.5]];
+    let laws = [gap, free, fixed, free, free];
+    let halves = PlaneDomain::new(vec![loop_of(&corners, &laws)]).unwrap();
+    let f = pieces("else=-2");
+    let both = [own, halves].map(|own| found(own, f.clone(), &[&[[0.0, 0.0], [0.3, 0.0]]]));
+    assert!((0.05..0.45).contains(&both[0].contact[0].length), "{:?}", both[0].contact);
+    check_lifted(&both[0], &both[1], 0.0);
 }
 
 #[test]
