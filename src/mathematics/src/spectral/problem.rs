@@ -41,6 +41,12 @@ impl PlaneProblem {
         let mut domain = PlaneDomain { parts, ..PlaneDomain::seen(frame, loops)? };
         for part in 0..mesh.parts().len() {
             if let Some(formula) = mesh.value(part as u16) {
+                if mesh.parts()[part].law.is_free() {
+                    let part = &domain.parts[part];
+                    return Err(PlaneError::Domain(format!(
+                        "the flux through {part} has a formula, and the true solution takes numbers"
+                    )));
+                }
                 set_value(&mut domain, part, formula)?;
             }
         }
@@ -68,7 +74,7 @@ pub(crate) fn set_value(
     let off = error + f64::EPSILON * value.units(radius) * value.size(radius);
     let number = domain.values.len();
     let sides = domain.rings.iter_mut().flat_map(|ring| &mut ring.sides);
-    for side in sides.filter(|side| side.part == part && !side.law.is_free()) {
+    for side in sides.filter(|side| side.part == part) {
         side.law = side.law.scaled_at(0.0);
         (side.formula, side.off) = (Some(number), off);
     }
