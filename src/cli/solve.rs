@@ -76,15 +76,14 @@ pub(super) struct SolveArgs {
     /// `run NAME` then solves the same, keeps the result, and draws it.
     #[arg(long, help_heading = FILES, value_name = "NAME", value_parser = name_parser)]
     save: Option<String>,
-    /// Write the solution: .svg .vti .vtu .pvd .npz .npy .csv
+    /// Write the solution: .svg .vti .vtu .npz .npy .csv
     ///
     /// An .svg is a picture, .vti and on a mesh .vtu are for ParaView, .npz and .npy for NumPy. An .npz has v,
     /// multiplier and f, on a mesh also region and local_error, an .npy v alone. The multiplier is zero inside and on
-    /// fixed and free parts. A .pvd lists a .vtu of each refinement of the mesh, of an accuracy also those between
-    /// solutions, all with the last v, the coarsest first, and a .csv has v and its gradient at the points of --at
-    /// and --line. The ending alone, `vti`, names the file after the scene. The spectral solver's solution is written
-    /// at the nodes of --h, or of the mesh of --refine. A picture is a shaded surface on the square and a map on
-    /// every other domain in the plane, unless --map or --surface says otherwise; a solution in space has none.
+    /// fixed and free parts. A .csv has v and its gradient at the points of --at and --line. The ending alone, `vti`,
+    /// names the file after the scene. The spectral solver's solution is written at the nodes of --h, or of the mesh of
+    /// --refine. A picture is a shaded surface on the square and a map on every other domain in the plane, unless
+    /// --map or --surface says otherwise; a solution in space has none.
     #[arg(long, help_heading = FILES, value_name = "FILE")]
     out: Option<PathBuf>,
     /// In an .svg, a map with isolines [default on meshes]
@@ -102,9 +101,6 @@ pub(super) struct SolveArgs {
     /// In an .svg, no title
     #[arg(long, help_heading = FILES, hide_short_help = true, requires = "out")]
     no_title: bool,
-    /// Write the recovered solution, piecewise quadratic, on h / 2
-    #[arg(long, help_heading = FILES, hide_short_help = true)]
-    recover: bool,
 }
 
 impl SolveArgs {
@@ -179,27 +175,14 @@ impl SolveArgs {
         }
     }
 
-    /// Refuses options about the file that is written where there is none, or that a solver or a domain does not have.
+    /// Refuses options about the file that is written where there is none.
     fn check_file_options(&self, statement: &Statement) -> Result<()> {
         let Statement { solver, .. } = statement;
         let has_refine = self.fields.has("refine") && self.save.is_none();
         let of_the_file = [
-            ("--recover", self.recover),
             ("--h", self.fields.has("h") && *solver == Solver::Spectral),
             ("--refine", has_refine && *solver == Solver::Spectral),
         ];
-        if self.recover && !solver.entry().is_discrete {
-            let takers: Vec<_> = Solver::on_grids().iter().map(Solver::to_string).collect();
-            let takers = takers.join(", ");
-            return Err(Error::input(format!(
-                "--recover is for --solver {takers}, not {solver}; leave it out, or change --solver"
-            )));
-        }
-        if self.recover && !statement.has_grids() {
-            return Err(Error::input(
-                "--recover is for the square under one law; leave it out, or solve there",
-            ));
-        }
         match of_the_file.iter().find(|(_, given)| *given && self.out.is_none()) {
             None => Ok(()),
             Some((option, _)) => Err(Error::input(format!(
@@ -239,13 +222,14 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     shown.end();
     let answer = Answer::new(&request, solved?);
     let file = file.filter(|_| !answer.has_diverged());
-    let written = file.as_ref().map_or(Ok(()), |file| write(args, (&request, &answer), file));
+    let write = |file| request.write(file, &answer.solved, &answer.values);
+    let written = file.as_ref().map_or(Ok(()), write);
     // The answer is not lost with the file.
     if args.json {
         say_json(&answer.json(&request))
     } else {
         let points_in_file = file.as_ref().is_some_and(|(_, format)| *format == Format::Csv);
-        tell(&answer.text(&request, args.recover, points_in_file))
+        tell(&answer.text(&request, points_in_file))
     }?;
     written?;
     if let Some((file, _)) = file.filter(|_| !args.json) {
@@ -257,22 +241,4 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
             Err(Error::Stage(vec![format!("{}: {}", request.name, failure.sentence())]))
         }
     }
-}
-
-/// Writes the file with an answer, or with its recovered solution.
-fn write(
-    args: &SolveArgs,
-    (request, answer): (&Request, &Answer),
-    file: &(OutputFile, Format),
-) -> Result<()> {
-    let (problem, pair) = (&answer.solved.problem, answer.pair());
-    if !args.recover {
-        return request.write(file, (problem, &pair), &answer.values);
-    }
-    let recovered = problem
-        .recovered(&pair)
-        .map_err(|reason| Error::input(format!("--recover: {reason}; leave it out")))?;
-    let (finer, pair) =
-        recovered.ok_or_else(|| Error::input("--recover is for the square; leave it out"))?;
-    request.write(file, (&finer, &pair), &answer.values)
 }

@@ -96,12 +96,6 @@ impl Numbers {
         self.reason.is_some() && self.last.nodes.is_some()
     }
 
-    /// Guaranteed bounds; none where there are none, or no solution.
-    pub(crate) fn bounds(&self) -> Option<Bounds> {
-        self.last.energy_lower?;
-        Bounds::deserialize(self.details.get("bound")?).ok()
-    }
-
     /// True if the energy is that of the true solution.
     pub(crate) fn has_true_energy(&self) -> bool {
         self.solver == Solver::Spectral.to_string()
@@ -123,7 +117,8 @@ impl Numbers {
 
     /// Guaranteed bounds in words; none where there are none.
     pub(crate) fn guarantee(&self) -> Option<Guarantee> {
-        let bounds = self.bounds()?;
+        self.last.energy_lower?;
+        let bounds = Bounds::deserialize(self.details.get("bound")?).ok()?;
         let in_space = self.details.get("dimension").is_some_and(|number| *number == 3);
         let domain = if in_space { "polyhedron" } else { "polygon" };
         let mut but = String::new();
@@ -138,8 +133,10 @@ impl Numbers {
             true => format!("{} to ", plain(least, 4)),
             false => "at most ".into(),
         };
-        let error =
-            format!("error in the energy norm {range}{}", with_share(most, bounds.relative()));
+        let mut error = format!("error in the energy norm {range}{}", plain(most, 4));
+        if let Some(share) = self.last.error_relative.filter(|&share| share < 1.0 && most > 0.0) {
+            error += &format!(", at most {} of the solution", percent(share, 3));
+        }
         let mut parts = vec![format!("true energy in {}", interval(bounds.energy)), error];
         parts.extend(bounds.curve.map(|curve| {
             let curve = plain(curve, 2);
@@ -216,15 +213,6 @@ pub(crate) struct Guarantee {
     pub(crate) but: String,
     /// Bracket of the energy, bound of the error, and on a curved domain the energy beside it.
     pub(crate) parts: Vec<String>,
-}
-
-/// Returns a bound of the error, and its share of the solution if that is below one.
-pub(crate) fn with_share(bound: f64, share: f64) -> String {
-    let of_solution = match share < 1.0 && bound > 0.0 {
-        true => format!(", at most {} of the solution", percent(share, 3)),
-        false => String::new(),
-    };
-    plain(bound, 4) + &of_solution
 }
 
 /// Returns a value of a row as a table has it.

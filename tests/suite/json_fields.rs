@@ -130,7 +130,7 @@ fn each_field_of_solve_has_a_line_in_the_book_and_each_line_a_field() {
         "--f 'formula(-1+2.5e3*exp(-1e4*((x-0.1)^2+(y-0.13)^2)))' --h 1/8",
         "--domain disc --f else=-1 --solver spectral",
         "--f 'exact(torsion)' --h 1/8",
-        "--f 'formula(x - 1)' --h 1/8 --recover --out v.npy",
+        "--f 'formula(x - 1)' --h 1/8 --out v.npy",
         &format!("--domain disc {mesh} --refine 2"),
         &format!("--domain disc {mesh} --accuracy 0.3"),
         "--domain lshape --f else=-1 --accuracy-energy 0.1",

@@ -1,15 +1,13 @@
 //! Data of the tables on the pages: CSV with all digits, made from the tables themselves, so that the file behind a
-//! table has the columns, the names and the rows of the table; and CSV of the rows of which a table shows a part.
+//! table has the columns, the names and the rows of the table.
 //!
 //! Between the rendering of a template and the page, a number is in the text twice, as it is shown and with all its
 //! digits: [`with_digits`].
 
 use super::text::csv;
 use regex::Regex;
-use serde_json::Value as Json;
 use std::collections::BTreeMap;
-use std::sync::{Arc, LazyLock, Mutex};
-use tera::{Kwargs, State, Tera, TeraResult};
+use std::sync::LazyLock;
 
 /// Characters around a number as it is shown, and its digits. Unicode leaves them to private use.
 const MARKS: [char; 3] = ['\u{E000}', '\u{E001}', '\u{E002}'];
@@ -43,52 +41,6 @@ pub(super) fn with_digits(shown: &str, digits: &str) -> String {
 /// Returns a text with its numbers as they are shown.
 pub(super) fn as_shown(text: &str) -> String {
     NUMBER.replace_all(text, "$1").into_owned()
-}
-
-/// Rows for which the templates asked as CSV, by the name of the file.
-#[derive(Clone, Debug, Default)]
-pub(super) struct RowFiles(Arc<Mutex<BTreeMap<String, String>>>);
-
-impl RowFiles {
-    /// Registers the filter `rows`: `{{ ROWS | rows(name="NAME") }}` makes `data/NAME-rows.csv` of the rows, and
-    /// returns the path of the file in the book.
-    pub(super) fn register(&self, tera: &mut Tera) {
-        let files = self.clone();
-        tera.register_filter("rows", move |value: tera::Value, kwargs: Kwargs, _: &State| {
-            files.add(&value, &kwargs)
-        });
-    }
-
-    fn add(&self, value: &tera::Value, kwargs: &Kwargs) -> TeraResult<String> {
-        let file = format!("{}-rows.csv", kwargs.must_get::<String>("name")?);
-        // Its maps are ordered; those of templates are not, and would be in another order in each run.
-        let value = serde_json::to_value(value).map_err(tera::Error::message)?;
-        let rows: Vec<BTreeMap<String, Json>> =
-            serde_json::from_value(value).map_err(tera::Error::message)?;
-        let head = rows.iter().take(1).map(|row| row.keys().cloned().collect::<Vec<_>>());
-        let cells = rows.iter().map(|row| row.values().map(in_cell).collect());
-        let csv = csv(head.chain(cells));
-        let mut files = self.0.lock().expect("no panic while it is held");
-        if files.get(&file).is_some_and(|there| *there != csv) {
-            return Err(tera::Error::message(format!("two different data are named `{file}`")));
-        }
-        files.insert(file.clone(), csv);
-        Ok(format!("data/{file}"))
-    }
-
-    /// Returns the files so far, by name.
-    pub(super) fn files(&self) -> BTreeMap<String, String> {
-        self.0.lock().expect("no panic while it is held").clone()
-    }
-}
-
-/// Returns a value as a cell of CSV: nothing where there is none.
-fn in_cell(value: &Json) -> String {
-    match value {
-        Json::Null => String::new(),
-        Json::String(text) => text.clone(),
-        other => other.to_string(),
-    }
 }
 
 /// Returns the CSV of each table of a rendered page that links to it as `data/NAME.csv`, by the name of its file.
@@ -227,7 +179,6 @@ fn plain(markdown: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
 
     /// The table of a page with these lines.
     fn made(lines: &str) -> String {
@@ -290,23 +241,5 @@ mod tests {
     fn tables_without_a_link_to_data_have_none() {
         let page = "<figure id=\"table-a\">\n\n| a |\n| --- |\n| 1 |\n</figure>\n";
         assert_eq!(of_tables(page), BTreeMap::new());
-    }
-
-    #[test]
-    fn a_name_stands_for_the_same_rows() {
-        let (mut tera, files) = (Tera::new(), RowFiles::default());
-        files.register(&mut tera);
-        let rows = json!([{ "z": 1.5, "x": "a, b", "y": null }, { "z": 2, "x": "c", "y": true }]);
-        let context = tera::Context::from_serialize(&json!({ "a": rows, "b": [] })).unwrap();
-        tera.add_raw_templates([
-            ("first", "{{ a | rows(name=\"a\") }}"),
-            ("second", "{{ b | rows(name=\"a\") }}"),
-        ])
-        .unwrap();
-        assert_eq!(tera.render("first", &context).unwrap(), "data/a-rows.csv");
-        let csv = "x,y,z\n\"a, b\",,1.5\nc,true,2\n";
-        assert_eq!(files.files(), BTreeMap::from([("a-rows.csv".into(), csv.into())]));
-        let error = tera.render("second", &context).unwrap_err().to_string();
-        assert!(error.contains("two different data are named `a-rows.csv`"), "{error}");
     }
 }

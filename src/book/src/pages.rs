@@ -1,6 +1,6 @@
 //! Pages in Markdown, made from templates and data.
 
-use super::data::{RowFiles, as_shown, of_tables};
+use super::data::{as_shown, of_tables};
 use super::{filters, rows};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -23,14 +23,12 @@ pub fn pages(
     let mut tera = Tera::new();
     filters::register(&mut tera);
     rows::register(&mut tera);
-    let row_files = RowFiles::default();
-    row_files.register(&mut tera);
     tera.add_raw_templates(templates.iter().filter(|(name, _)| name.ends_with(".tera")))
         .map_err(|error| located("", &error))?;
     let mut pages = made(templates, |name, _| {
         tera.render(name, context).map_err(|error| located(name, &error))
     })?;
-    let mut data = row_files.files();
+    let mut data = BTreeMap::new();
     for page in pages.values_mut() {
         data.extend(of_tables(page));
         *page = as_shown(page);

@@ -1,19 +1,17 @@
 //! Answer of `solve`: the solution, its judgement apart from the solvers, and both as JSON and as text.
 
 use super::bound::{self, TEN};
-use super::clock::{Part, turning};
+use super::clock::Part;
 use super::points;
 use super::request::Request;
 use crate::cli::output::{in_columns, paragraph};
 use crate::replication::numbers::Numbers;
 use crate::replication::record::{Advice, Record, details};
 use crate::table::Table;
-use indicatif::ProgressBar;
 use serde_json::{Value, json};
 use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::mesh::PointValue;
 use signorini_mathematics::problem::text::plain;
-use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{Run, Solved, Solver};
 
 /// Digits of an energy, unless more are asked for, and the most that a number has.
@@ -49,20 +47,6 @@ impl Answer {
             request.clock.ended(Part::Bounds);
         }
         Self { solved, numbers, values, record }
-    }
-
-    /// Nodal values on the finest level, and the multiplier; those of a true solution take a while.
-    pub(super) fn pair(&self) -> Pair {
-        match self.solved.truth() {
-            None => self.solved.pair(),
-            Some(_) => {
-                let [nodes, _] = self.solved.problem.lengths();
-                let bar = turning(&format!("v at {nodes} nodes"));
-                let pair = self.solved.pair();
-                bar.inspect(ProgressBar::finish_and_clear);
-                pair
-            }
-        }
     }
 
     /// Returns the energy that answers and, if it is another, that of v.
@@ -106,9 +90,8 @@ impl Answer {
         self.record.failure.as_ref()
     }
 
-    /// Returns the answer, then how it was found, and v at points unless a file has it; with `recover`, the recovered
-    /// solution is part of the answer.
-    pub(super) fn text(&self, request: &Request, recover: bool, points_in_file: bool) -> String {
+    /// Returns the answer, then how it was found, and v at points unless a file has it.
+    pub(super) fn text(&self, request: &Request, points_in_file: bool) -> String {
         let levels = self.solved.problem.levels();
         let (name, f) = (&request.name, &levels.facts().f);
         let integral = plain(self.solved.integral(), 4);
@@ -123,7 +106,7 @@ impl Answer {
             }
             (None, Some(run)) => {
                 if !self.has_diverged() {
-                    text += &self.solution(request, run, recover);
+                    text += &self.solution(request, run);
                 }
                 text += &self.method(request, run);
             }
@@ -143,17 +126,17 @@ impl Answer {
         let law = laws.map_or(String::new(), |laws| paragraph(&format!("law {laws}\n")));
         let energy =
             self.numbers.shown_energy(if found.bracket.is_ok() { ALL_DIGITS } else { TEN });
-        let bounds = bound::text(&self.numbers, false) + &bound::boundary(&self.solved);
+        let bounds = bound::text(&self.numbers) + &bound::boundary(&self.solved);
         let checks = paragraph(&format!("checks: {}\n", found.checks));
         format!("{law}energy {energy}\n{bounds}{checks}")
     }
 
     /// Returns what was asked for: the energy with its bounds, v, and the contact.
-    fn solution(&self, request: &Request, run: &Run, recover: bool) -> String {
+    fn solution(&self, request: &Request, run: &Run) -> String {
         let (problem, levels) = (&self.solved.problem, self.solved.problem.levels());
         let last = run.last();
         let mut text = self.energy_in_words(request, run);
-        text += &bound::text(&self.numbers, recover);
+        text += &bound::text(&self.numbers);
         if let Some(errors) = self.solved.errors() {
             let [l2, h1, max] = [errors.l2, errors.h1, errors.max].map(|error| plain(error, 3));
             text += &format!("errors: L2 {l2}, H1 {h1}, nodes {max}");

@@ -1,24 +1,16 @@
 //! Text on an answer: guaranteed bounds of its error and of the true energy, and the contact found.
 
 use crate::cli::output::paragraph;
-use crate::replication::numbers::{Numbers, with_share};
+use crate::replication::numbers::{Guarantee, Numbers};
 use signorini_mathematics::problem::law::name_of_force;
 use signorini_mathematics::problem::text::{known, plain};
 use signorini_mathematics::solvers::Solved;
 
-/// Returns the bounds of an answer as text, with that of the recovered solution if it is `recovered`; a warning says
-/// why there are none.
-pub(super) fn text(numbers: &Numbers, recovered: bool) -> String {
-    let Some((bounds, guarantee)) = numbers.bounds().zip(numbers.guarantee()) else {
-        return String::new();
-    };
-    let mut parts = guarantee.parts;
-    if let Some(most) = bounds.recovered.filter(|_| recovered) {
-        let share = most * bounds.relative() / bounds.error[1];
-        parts.push(format!("of the recovered solution at most {}", with_share(most, share)));
-    }
-    let line = if guarantee.but.is_empty() { "" } else { "\n " };
-    format!("guaranteed{}:{line} {}\n", guarantee.but, parts.join(",\n  "))
+/// Returns the bounds of an answer as text; a warning says why there are none.
+pub(super) fn text(numbers: &Numbers) -> String {
+    let Some(Guarantee { but, parts }) = numbers.guarantee() else { return String::new() };
+    let line = if but.is_empty() { "" } else { "\n " };
+    format!("guaranteed{but}:{line} {}\n", parts.join(",\n  "))
 }
 
 /// Digits of numbers of a true solution without bounds, as many as the solver says that it has, and of others.

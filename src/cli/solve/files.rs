@@ -10,13 +10,12 @@ use signorini_mathematics::mesh::PointValue;
 use signorini_mathematics::saddle::Pair;
 use std::path::Path;
 
-/// Format of a file, by its ending: VTK image data or, on a mesh, an unstructured grid for ParaView, or all meshes, one
-/// NumPy array, several arrays, a picture, values at points.
+/// Format of a file, by its ending: VTK image data or, on a mesh, an unstructured grid for ParaView, one NumPy array,
+/// several arrays, a picture, values at points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Format {
     Vti,
     Vtu,
-    Pvd,
     Npy,
     Npz,
     Svg,
@@ -74,9 +73,6 @@ impl Format {
             Self::Vti | Self::Vtu if self.ending() != vtk => {
                 format!("this solution is written as .{vtk}, .npz or .npy")
             }
-            Self::Pvd if problem.lattices().is_some() => {
-                format!("a .pvd file lists meshes, which the square has not; use .{vtk}")
-            }
             Self::Csv if !has_points => {
                 "a .csv file has v at points; add --at or --line, or use .npz".into()
             }
@@ -89,7 +85,6 @@ impl Format {
         match self {
             Self::Vti => "vti",
             Self::Vtu => "vtu",
-            Self::Pvd => "pvd",
             Self::Npy => "npy",
             Self::Npz => "npz",
             Self::Svg => "svg",
@@ -99,7 +94,7 @@ impl Format {
 }
 
 impl Solution<'_> {
-    /// Writes a file, and beside it those that it names.
+    /// Writes a file.
     pub(super) fn write(&self, file: &OutputFile, format: Format) -> Result<()> {
         let Self { problem, name, title, view, print, pair, values } = *self;
         let drawn_title = if print.title { title } else { "" };
@@ -110,13 +105,6 @@ impl Solution<'_> {
                 Error::input(format!("--out: an .npz file holds at most 4 GB; use .npy or .{vtk}"))
             })?,
             Format::Vti | Format::Vtu => problem.vtk(pair, name),
-            Format::Pvd => {
-                let stem = file.path().file_stem().unwrap_or_default().to_string_lossy();
-                for (name, bytes) in problem.pvd(pair, &stem).unwrap_or_default() {
-                    OutputFile::check(&file.path().with_file_name(name))?.write(&bytes)?;
-                }
-                return Ok(());
-            }
             Format::Csv => points::csv(values),
             Format::Svg => {
                 let picture = match view {

@@ -15,7 +15,6 @@ use crate::replication::scene::Scene;
 use crate::timing::machine;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::mesh::{AnyMesh, PointValue};
-use signorini_mathematics::saddle::Pair;
 use signorini_mathematics::solvers::{Memory, Refusal, Solved, Watcher};
 use signorini_mathematics::statement::{Domain, Fineness, Statement};
 use std::io::ErrorKind;
@@ -62,7 +61,7 @@ impl Request {
             None => Voice::Options,
         };
         let memory = Memory::new(machine::available_memory());
-        let memory = if args.out.is_some() { memory.with_files(args.recover) } else { memory };
+        let memory = if args.out.is_some() { memory.with_files() } else { memory };
         let memory = memory.with_most_nodes(args.most_nodes.unwrap_or(usize::MAX));
         let file = file_name(&statement);
         let name = args.scene.as_deref().unwrap_or_else(|| name_of_domain(&statement)).to_owned();
@@ -115,14 +114,15 @@ impl Request {
         solved.map_err(|e| self.refused(&e))
     }
 
-    /// Writes a file with a solution on the finest level of a problem.
+    /// Writes a file with a solution, or with its values at the points that are asked for.
     pub(super) fn write(
         &self,
         (file, format): &(OutputFile, Format),
-        (problem, pair): (&Problem, &Pair),
+        solved: &Solved,
         values: &[PointValue],
     ) -> Result<()> {
         let Self { name, title, view, print, .. } = self;
+        let (problem, pair) = (&solved.problem, &solved.pair());
         let solution = Solution { problem, name, title, view: *view, print, pair, values };
         let written = solution.write(file, *format);
         self.clock.ended(Part::Files);

@@ -5,7 +5,7 @@ use super::palette::{series, solver};
 use super::panels::{Head, Panels};
 use super::picture::{Picture, WIDTH};
 use super::plot::Plot;
-use super::series::{Chart, Curve, Stroke};
+use super::series::{Chart, Curve};
 use super::table::add;
 use super::title::Title;
 
@@ -131,11 +131,11 @@ pub(super) fn legend(panels: &[&Chart]) -> Vec<Entry> {
     entries
 }
 
-/// Returns the points of all curves but references, each with the first line of the title of its panel.
+/// Returns the points of all curves, each with the first line of the title of its panel.
 fn of_charts(panels: &[&Chart]) -> String {
     let mut csv = "panel,x axis,y axis,curve,x,y\n".to_owned();
     for Chart { title, axes: [across, up], curves, .. } in panels {
-        for curve in curves.iter().filter(|curve| curve.stroke != Stroke::Reference) {
+        for curve in curves {
             let title = title.lines().next().unwrap_or_default();
             let names = [title, &*across.name, &up.name, &curve.label];
             add(&mut csv, &names, curve.points.iter().map(|&point| point.into()));
@@ -146,6 +146,7 @@ fn of_charts(panels: &[&Chart]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::series::Stroke;
     use super::*;
 
     #[test]
@@ -167,9 +168,8 @@ mod tests {
     fn charts_are_listed_point_by_point_and_commas_are_quoted() {
         let points = [(1.0, 0.5), (2.0, 1e-300)];
         let marked = Curve::new(Stroke::Marked, "multigrid, two threads", points);
-        let slope = Curve::new(Stroke::Reference, "order 1", [(1.0, 1.0)]);
         let line = Curve::new(Stroke::Line, "a \"b\"", [(3.0, 4.0)]);
-        let text = of_charts(&[&Chart::new("T", ["x", "y"], vec![marked, slope, line])]);
+        let text = of_charts(&[&Chart::new("T", ["x", "y"], vec![marked, line])]);
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], "panel,x axis,y axis,curve,x,y");
         assert_eq!(lines[1], "T,x,y,\"multigrid, two threads\",1,0.5");

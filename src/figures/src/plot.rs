@@ -2,7 +2,7 @@
 
 use super::axes::{Entry, Frame, LONE, Sample};
 use super::palette::{INK, MUTED, RGBColor, RULE};
-use super::picture::{END, NORMAL, Picture, Place, SMALL, START, UPWARDS, plain};
+use super::picture::{NORMAL, Picture, Place, SMALL, START, UPWARDS, plain};
 use super::polyline::simplified;
 use super::series::{Chart, Curve, Stroke};
 
@@ -41,36 +41,26 @@ impl Plot<'_> {
         picture.text(&up.name, (across.0 - name, y), plain(NORMAL).transform(UPWARDS));
     }
 
-    /// Draws curves, with dashes below solid ones, then rings, then the names of lines, and the frame around all.
+    /// Draws curves, with dashes below solid ones, then rings, then the names of limits, and the frame around all.
     pub(super) fn draw(&self, picture: &mut Picture) {
-        let below = [Stroke::Reference, Stroke::Limit, Stroke::Thin].map(Stroke::attributes);
+        let below = [Stroke::Limit, Stroke::Thin].map(Stroke::attributes);
         let lines = DASHED.into_iter().chain([Stroke::Line.attributes()]);
         for attributes in below.into_iter().chain(lines) {
             picture.group(attributes, |picture| self.lines(picture, attributes));
         }
-        let mut marks = Vec::new();
         for curve in self.chart.curves.iter().filter(|curve| curve.stroke.is_measured()) {
-            let places = self.places(curve);
-            marks.extend(places.clone());
             let radius = match curve.stroke {
                 Stroke::Rings => 4.0,
                 Stroke::Marked if self.entry(curve).is_some_and(|it| it.sample == Sample::Ring) => {
                     LONE
                 }
                 Stroke::Marked => 3.5,
-                Stroke::Line | Stroke::Thin | Stroke::Reference | Stroke::Limit => continue,
+                Stroke::Line | Stroke::Thin | Stroke::Limit => continue,
             };
-            for at in places {
+            for at in self.places(curve) {
                 picture.ring(at, radius, self.color(curve));
             }
         }
-        // Names are above the curves that they meet, with a white edge that keeps them legible.
-        let edge = "stroke=\"#FFFFFF\" stroke-width=\"16\" paint-order=\"stroke\"";
-        picture.group(edge, |picture| {
-            for curve in self.chart.curves.iter().filter(|one| one.stroke == Stroke::Reference) {
-                name_reference(picture, &curve.label, &self.places(curve), &marks);
-            }
-        });
         self.name_limits(picture);
         self.frame.outline(picture);
     }
@@ -94,7 +84,6 @@ impl Plot<'_> {
 
     fn color(&self, curve: &Curve) -> RGBColor {
         match curve.stroke {
-            Stroke::Reference => MUTED,
             Stroke::Limit => INK,
             _ => self.entry(curve).map_or(INK, |entry| entry.color),
         }
@@ -118,21 +107,5 @@ impl Plot<'_> {
             let kind = plain(SMALL).pos(START).color(&MUTED);
             picture.text(&limit.label, (self.frame.across.1 + 7.0, below), kind);
         }
-    }
-}
-
-/// Writes the name of a reference beside its middle, on the side that has fewer of the `marks`.
-fn name_reference(picture: &mut Picture, name: &str, ends: &[Place], marks: &[Place]) {
-    let (&[(x0, y0), ..], &[.., (x1, y1)]) = (ends, ends) else { return };
-    let slope = if x1 == x0 { 0.0 } else { (y1 - y0) / (x1 - x0) };
-    let above = marks.iter().filter(|(x, y)| *y < y0 + slope * (x - x0)).count();
-    let is_below = 2 * above > marks.len();
-    let (x, y) = (0.5 * (x0 + x1), 0.5 * (y0 + y1) + if is_below { 11.0 } else { -9.0 });
-    let kind = plain(SMALL).color(&MUTED);
-    // Left of a line that falls, in the picture, is below it; left of one that rises is above it.
-    if (slope > 0.0) == is_below {
-        picture.text(name, (x - 6.0, y), kind.pos(END));
-    } else {
-        picture.text(name, (x + 6.0, y), kind.pos(START));
     }
 }

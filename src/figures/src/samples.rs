@@ -1,6 +1,6 @@
 //! Pictures for the tests: those of the paper's problems as committed, and odd cases drawn anew.
 
-use super::Stroke::{Line, Marked, Reference};
+use super::Stroke::{Line, Marked};
 use super::*;
 use signorini_mathematics::discrete::grid::{Grid, nested};
 use signorini_mathematics::discrete::load::LoadRule;
@@ -158,7 +158,6 @@ fn unusual_scenes() -> Vec<(String, String)> {
 /// Unusual charts.
 fn unusual_charts() -> Vec<(String, String)> {
     let falling: Vec<_> = (0..9).map(|k| (2f64.powi(k), 3e-3 * 4f64.powi(-k))).collect();
-    let slope = [(1.0, 1e-2), (256.0, 1e-2 / 65536.0)];
     let few = falling[3..6].to_vec();
     let curves = vec![
         Curve::new(Marked, "multigrid", falling.clone()),
@@ -166,7 +165,6 @@ fn unusual_charts() -> Vec<(String, String)> {
         Curve::new(Line, "maximum error", few.clone()),
         Curve::new(Marked, "one", few[..1].to_vec()),
         Curve::new(Marked, "none", []),
-        Curve::new(Reference, "order 2", slope),
     ];
     let panels = ["first", "second", "alone"]
         .map(|title| Chart::new(title, ["1/h", "error"], curves.clone()));

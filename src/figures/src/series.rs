@@ -12,7 +12,7 @@ pub struct Chart {
     pub axes: [Axis; 2],
     /// Curves in the order in which they are drawn; one without points is left out.
     pub curves: Vec<Curve>,
-    /// Legend; without entries, each label that is no reference has one.
+    /// Legend; without entries, each label that is no limit has one.
     pub(super) legend: Vec<Entry>,
 }
 
@@ -98,8 +98,6 @@ pub enum Stroke {
     Thin,
     /// Rings without a line.
     Rings,
-    /// Thin dashed line in secondary ink, named at its middle and not in the legend: a bound, a slope.
-    Reference,
     /// Dotted line, named at the right end of the frame and not in the legend.
     Limit,
 }
@@ -108,7 +106,6 @@ impl Stroke {
     /// Attributes of the line; none for a solid one.
     pub(super) fn attributes(self) -> &'static str {
         match self {
-            Self::Reference => "stroke-dasharray=\"16 12\"",
             Self::Limit => "stroke-dasharray=\"4 8\"",
             Self::Thin => "stroke-dasharray=\"18 10\"",
             Self::Marked | Self::Line | Self::Rings => "",
@@ -117,7 +114,7 @@ impl Stroke {
 
     /// True if the curve is in the legend.
     pub(super) fn is_measured(self) -> bool {
-        !matches!(self, Self::Reference | Self::Limit)
+        self != Self::Limit
     }
 }
 

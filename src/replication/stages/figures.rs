@@ -16,7 +16,6 @@ use crate::replication::project::Project;
 use crate::replication::scene::{Output, Scene};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::identify::Findings;
 use signorini_mathematics::problem::text::percent;
 
@@ -281,10 +280,9 @@ fn numbers(inputs: &Inputs, scenes: &[Scene]) -> Result<String, Failure> {
     for scene in scenes {
         let rule = scene.first_rule();
         let found = solve::drawn(inputs, scene, rule)?;
-        let bounds = solve::bounds(scene, &found);
-        let bounds = bounds.map(|of| [of.energy[0], of.energy[1], of.relative()]);
         let [lower, upper, error] =
-            bounds.map_or_else(Default::default, |all| all.map(|x| x.to_string()));
+            [found.last.energy_lower, found.last.energy_upper, found.last.error_relative]
+                .map(|number| number.map_or(String::new(), |number| number.to_string()));
         let energy = found.last.energy.unwrap_or(f64::NAN);
         let problem = solve::problem(inputs, scene)?;
         let held = solve::held(&problem, &solve::pair(inputs, scene, rule, &problem)?);
@@ -296,8 +294,7 @@ fn numbers(inputs: &Inputs, scenes: &[Scene]) -> Result<String, Failure> {
 /// Returns the title of a scene, with the end of its solver unless that is a solution, above the bound of its error.
 fn title_with_bound(inputs: &Inputs, scene: &Scene) -> Result<String, String> {
     let title = title_with_end(inputs, scene)?;
-    let bounds = solve::bounds(scene, &solve::drawn(inputs, scene, scene.first_rule())?);
-    let relative = bounds.as_ref().map(Bounds::relative).filter(|&error| error < 1.0);
+    let relative = solve::relative(scene, &solve::drawn(inputs, scene, scene.first_rule())?);
     Ok(match relative.filter(|_| !title.is_empty()) {
         Some(error) => format!("{title}\nerror at most {}", percent(error, 3)),
         None => title,

@@ -16,7 +16,7 @@ use crate::replication::scene::{Output, Scene};
 use crate::timing::machine;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use signorini_mathematics::bounds::{Accuracy, Bounds};
+use signorini_mathematics::bounds::Accuracy;
 use signorini_mathematics::discrete::grid::Grid;
 use signorini_mathematics::levels::Problem;
 use signorini_mathematics::problem::text::percent;
@@ -312,9 +312,10 @@ pub(super) fn bounds_in_words(scene: &Scene, numbers: &Numbers) -> String {
     warnings_in_words(scene, numbers) + &sentence.unwrap_or_default()
 }
 
-/// Guaranteed bounds that a picture of a scene has; none under a rule, which stops where it says.
-pub(super) fn bounds(scene: &Scene, numbers: &Numbers) -> Option<Bounds> {
-    numbers.bounds().filter(|_| scene.statement.saddle.is_none())
+/// Guaranteed bound of the error over the solution that a picture of a scene has, if it is less than that; none under a
+/// rule, which stops where it says.
+pub(super) fn relative(scene: &Scene, numbers: &Numbers) -> Option<f64> {
+    numbers.last.error_relative.filter(|&error| error < 1.0 && scene.statement.saddle.is_none())
 }
 
 /// Returns the name, in a picture, of the solve of a scene under a rule with the r that is drawn.

@@ -8,7 +8,6 @@ use crate::levels::Problem;
 use crate::mesh::AnyMesh;
 use crate::saddle::Pair;
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 use zip::{DOUBLE, INTEGER, SHORT, doubles, integers, npy};
 
 impl Problem {
@@ -37,25 +36,6 @@ impl Problem {
     /// Ending of the files of [`Problem::vtk`], `vti` or `vtu`.
     pub fn vtk_ending(&self) -> &'static str {
         if self.lattices().is_some() { "vti" } else { "vtu" }
-    }
-
-    /// Meshes of all levels for ParaView, as files by their names: `NAME.pvd`, which lists them, and `NAME-0.vtu` and
-    /// so on, coarsest first, each as [`Problem::vtk`] has it, without `f` and `local_error`, with the pair of the
-    /// finest level at the nodes of the mesh. None on the square.
-    pub fn pvd(&self, pair: &Pair, name: &str) -> Option<BTreeMap<String, Vec<u8>>> {
-        if self.lattices().is_some() {
-            return None;
-        }
-        let mut names = Vec::new();
-        let mut files = BTreeMap::new();
-        for level in 0..self.count() {
-            let file = format!("{name}-{level}.vtu");
-            let fields = SolutionFields::on_mesh(self, pair, level);
-            files.insert(file.clone(), vtk::vtk(&fields, name));
-            names.push(file);
-        }
-        files.insert(format!("{name}.pvd"), vtk::collection(&names));
-        Some(files)
     }
 }
 
@@ -92,16 +72,6 @@ impl<'a> SolutionFields<'a> {
         };
         let (f, errors) = (Cow::default(), Vec::new());
         Self { place, v: &pair.y, multiplier: Vec::new(), f, errors }
-    }
-
-    /// Arrays at the nodes of the mesh of a level, which are the first of the finest one.
-    pub(super) fn on_mesh(problem: &'a Problem, pair: &'a Pair, level: usize) -> Self {
-        let mesh = problem.levels().mesh(level);
-        let nodes = mesh.nodes();
-        let mut multiplier = problem.at_nodes(&pair.a, 0.0);
-        multiplier.truncate(nodes);
-        let (f, errors) = (Cow::default(), Vec::new());
-        Self { place: FieldPlace::Mesh(mesh), v: &pair.y[..nodes], multiplier, f, errors }
     }
 
     pub(super) fn of(problem: &'a Problem, pair: &'a Pair) -> Self {

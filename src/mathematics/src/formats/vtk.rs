@@ -66,16 +66,6 @@ fn vtu(fields: &SolutionFields<'_>, mesh: &AnyMesh, name: &str) -> Vec<u8> {
     arrays.file("UnstructuredGrid", name, &body)
 }
 
-/// Returns a file for ParaView that lists files with meshes, whose times are the numbers of the meshes.
-pub(super) fn collection(names: &[String]) -> Vec<u8> {
-    let mut sets = String::new();
-    for (level, name) in names.iter().enumerate() {
-        sets += &format!("<DataSet timestep=\"{level}\" file=\"{}\"/>\n", escaped(name));
-    }
-    let head = "<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n";
-    format!("<?xml version=\"1.0\"?>\n{head}{sets}</Collection>\n</VTKFile>\n").into_bytes()
-}
-
 /// Returns field data with an array for each region, under its name: its number, and its dimension. Text of VTK's own
 /// kind for names would stop the reader of meshio, which takes this form for its own.
 fn names_of_regions(mesh: &AnyMesh) -> String {

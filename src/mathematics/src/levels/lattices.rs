@@ -12,7 +12,7 @@ use crate::problem::exact::Known;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
 use crate::problem::unsolvable::Component;
-use crate::square::bounds::{bounds, recovery};
+use crate::square::bounds::bounds;
 use crate::square::errors::{errors, multiplier_error};
 use crate::square::load::{integrals, load, missed_on, moved_jumps};
 use std::borrow::Cow;
@@ -104,14 +104,6 @@ impl Lattices {
         let multiplier_l2 =
             multiplier_error(grid, y, load, |point, normal| exact.multiplier(point, normal));
         Some(Errors { multiplier_l2: Some(multiplier_l2), ..errors(grid, exact, y) })
-    }
-
-    /// Values of the recovery of a nodal vector of the finest grid, piecewise quadratic, on the grid of half the width.
-    ///
-    /// # Errors
-    /// [`NoBound`] if there is none.
-    pub(crate) fn recovery(&self, y: &[f64]) -> Result<Vec<f64>, NoBound> {
-        Ok(recovery(self.finest(), &self.f, self.law, y)?.0)
     }
 
     /// Picture with so many cells across at most.

@@ -81,23 +81,13 @@ impl Solver {
     }
 }
 
-/// Files with a solution that are written besides.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Files {
-    /// None.
-    None,
-    /// The solution.
-    Solution,
-    /// The recovered solution, on four times as many nodes.
-    Recovered,
-}
-
 /// Memory that is left, and the files for which some of it is needed.
 #[derive(Clone, Copy, Debug)]
 pub struct Memory {
     /// Bytes that are left.
     left: u64,
-    files: Files,
+    /// True if files with the solution are written besides.
+    has_files: bool,
     /// Most nodes of an adapted mesh, whatever is left.
     most_nodes: usize,
 }
@@ -146,12 +136,12 @@ impl TooLarge {
 impl Memory {
     /// So many bytes, or as many as it takes; no file is written.
     pub fn new(left: Option<u64>) -> Self {
-        Self { left: left.unwrap_or(u64::MAX), files: Files::None, most_nodes: usize::MAX }
+        Self { left: left.unwrap_or(u64::MAX), has_files: false, most_nodes: usize::MAX }
     }
 
-    /// Memory for files with the solution or, if it `is_recovered`, with that on four times as many nodes.
-    pub fn with_files(self, is_recovered: bool) -> Self {
-        Self { files: if is_recovered { Files::Recovered } else { Files::Solution }, ..self }
+    /// Memory for files with the solution.
+    pub fn with_files(self) -> Self {
+        Self { has_files: true, ..self }
     }
 
     /// Refuses a grid of the square with so many cells per side that is too large for a solver, or for the memory.
@@ -217,11 +207,7 @@ impl Memory {
     /// Bytes for solving on a grid, and for the files.
     fn of_grid(self, solver: Solver, cells: usize) -> u64 {
         let n = cells as u64;
-        let files = match self.files {
-            Files::None => 0,
-            Files::Solution => 24,
-            Files::Recovered => 176,
-        };
+        let files = if self.has_files { 24 } else { 0 };
         (n + 1).pow(2) * ((solver.entry().bytes_per_node)(n) + files)
     }
 
@@ -232,7 +218,20 @@ impl Memory {
             2 => [480.0, 320.0, 340.0],
             _ => [950.0, 1000.0, 810.0],
         };
-        let files = if self.files == Files::None { 0.0 } else { files };
+        let files = if self.has_files { files } else { 0.0 };
         (finest + files) * mesh.nodes_after(times) + coarsest * mesh.nodes() as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_take_memory_too() {
+        let solver = Solver::Multigrid;
+        let memory = Memory::new(Some(Memory::new(None).of_grid(solver, 256)));
+        assert!(memory.check_grid(solver, 256).is_ok());
+        assert!(memory.with_files().check_grid(solver, 256).is_err());
     }
 }

@@ -6,7 +6,6 @@ use crate::discrete::contact::ContactArc;
 use crate::discrete::end::Outcome;
 use crate::discrete::kkt::StateCounts;
 use crate::discrete::norms::Errors;
-use crate::discrete::transfer::prolong_boundary;
 use crate::levels::{OnPart, Problem, Reserve};
 use crate::mesh::{PartShares, PointValue};
 use crate::saddle::Pair;
@@ -304,20 +303,5 @@ impl TrueSolution {
         let Self { bracket, gradient, .. } = *self;
         let bounds = bracket.map(|ends| Bounds { gradient, ..Bounds::of_energy(ends) });
         bounds.map_err(|step| NoBound::Unproved { step })
-    }
-}
-
-impl Problem {
-    /// Recovered solution of a pair on the square, piecewise quadratic: its values on the grid of half the width, with
-    /// the problem there; none on a mesh.
-    ///
-    /// # Errors
-    /// [`NoBound`] if there is none.
-    pub fn recovered(&self, pair: &Pair) -> Result<Option<(Self, Pair)>, NoBound> {
-        let Some(lattices) = self.lattices() else { return Ok(None) };
-        let y = lattices.recovery(&pair.y)?;
-        // The flux balances f, as on the grid.
-        let Some(Ok(finer)) = self.on_grid(2 * lattices.finest().cells()) else { return Ok(None) };
-        Ok(Some((finer, Pair { y, a: prolong_boundary(&pair.a) })))
     }
 }

@@ -21,7 +21,6 @@ use crate::replication::stages::solve::{self, HISTORY, NUMBERS};
 use crate::replication::stages::{artifact, bench, figures, from_json, scene_of};
 use serde::Serialize;
 use serde_json::{Value, json};
-use signorini_mathematics::bounds::Bounds;
 use signorini_mathematics::identify::Findings;
 use signorini_mathematics::problem::exact::Known;
 use signorini_mathematics::problem::source::Source;
@@ -117,7 +116,7 @@ fn problem(
     let stopped = solve::pair_on_grid(inputs, scene)?;
     let delta_a = table.rows.iter().map(|row| row.delta_a_paper).fold(0.0, f64::max);
     let gap = delta_a * scene.finest().h();
-    let Findings { alternatives, search, identifiability, .. } =
+    let Findings { search, identifiability, .. } =
         from_json(inputs, &identify::id(scene), FINDINGS)?;
     let more = json!({
         "number": table.table,
@@ -128,12 +127,9 @@ fn problem(
         "stopped": shape(&stopped, scene),
         "solution": shape(&solve::solution(scene)?, scene),
         // What the stage `identify` found.
-        "alternatives": alternatives,
         "search": search,
-        "directions": identifiability.directions,
         "holds": identifiability.holds,
         "loose": identifiability.loose,
-        "percent": identifiability.percent,
         "agreement": results.of_problem(&scene.name)?.agreement(std::slice::from_ref(table))?,
         // Of the load vector on each grid.
         "sums": signed[0].levels.iter().map(|level| level.sum_load).collect::<Vec<_>>(),
@@ -231,7 +227,6 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         Some(Known::Square(exact)) => Some(exact.latex()),
         _ => None,
     };
-    let bounds = solve::bounds(scene, &numbers);
     let held = scene.wants(Output::Map).then(|| {
         solve::pair(inputs, scene, rule, &problem).map(|pair| solve::held(&problem, &pair))
     });
@@ -245,7 +240,7 @@ fn other(inputs: &Inputs, scene: &Scene) -> Result<BTreeMap<String, Value>, Fail
         // The exact solution in LaTeX, if it is known.
         "exact": exact,
         // Bound of the error over the solution, if it is less than that.
-        "relative": bounds.as_ref().map(Bounds::relative).filter(|&error| error < 1.0),
+        "relative": solve::relative(scene, &numbers),
         // The finest level; none for the spectral solver.
         "level": numbers.levels().pop().filter(|level| level.nodes.is_some()),
         "energy": numbers.shown_energy(5),

@@ -32,7 +32,7 @@
 //!
 //! # The recovery
 //! w is the bilinear interpolant less a bubble on each edge that makes its slopes those of the flux, blended
-//! over the cells; on the boundary the bubbles are limited so that w stays in K ([`recovery`]). J(w) is within
+//! over the cells; on the boundary the bubbles are limited so that w stays in K. J(w) is within
 //! O(h^3) of J(u), and with it the whole bracket; J(v) is within O(h^2). The error of v is then bracketed by
 //! `2 (J(v) - J(w) + G)` and, with w' the recovery without bubbles on the boundary, `2 (J(v) - J(w'))`.
 //!
@@ -67,6 +67,10 @@ use std::f64::consts::PI;
 /// Returns bounds for the nodal vector `y` as an approximation of the solution for f under a law on the boundary. Any
 /// vector may be given.
 ///
+/// If the reactions do not reach an end of a bounded interval, all wider intervals have the same solution, and values
+/// of v that slip to that end are errors: with zero in their place the bounds hold as well, and do not feel how far the
+/// end is.
+///
 /// # Errors
 /// If the flux cannot balance the integral of f, which must be negative for the paper's law, or numbers exceed the
 /// range of double precision.
@@ -74,70 +78,29 @@ use std::f64::consts::PI;
 /// # Panics
 /// If `y.len() != grid.nodes()`.
 pub fn bounds(grid: Grid, f: &Source, law: Law, y: &[f64]) -> Result<Bounds, NoBound> {
-    bracketed(grid, f, law, y, None)
-}
-
-/// Returns the values of the recovery w of `y` on the grid of half the width, which determine it, and the bounds.
-///
-/// # Errors
-/// See [`bounds`].
-///
-/// # Panics
-/// See [`bounds`].
-pub fn recovery(
-    grid: Grid,
-    f: &Source,
-    law: Law,
-    y: &[f64],
-) -> Result<(Vec<f64>, Bounds), NoBound> {
-    let side = 2 * grid.cells() + 1;
-    let mut recovered = vec![0.0; side * side];
-    let bounds = bracketed(grid, f, law, y, Some(&mut recovered))?;
-    Ok((recovered, bounds))
-}
-
-/// Returns the bounds, and writes the recovery to which they belong to `recovered`.
-///
-/// If the reactions do not reach an end of a bounded interval, all wider intervals have the same solution, and values
-/// of v that slip to that end are errors: with zero in their place the bounds hold as well, and do not feel how far the
-/// end is.
-fn bracketed(
-    grid: Grid,
-    f: &Source,
-    law: Law,
-    y: &[f64],
-    mut recovered: Option<&mut [f64]>,
-) -> Result<Bounds, NoBound> {
     assert_eq!(y.len(), grid.nodes());
     let data = AllCells::new(grid, f);
     Component::whole(law, Grid::PERIMETER, data.integral).check(0.0)?;
     let projection = project(grid, Slips::ALL.and(law), y);
-    let (found, slips) = summed(&data, law, &projection, recovered.as_deref_mut());
+    let (found, slips) = summed(&data, law, &projection);
     let narrower = project(grid, slips, y);
     if narrower.distance == projection.distance {
         return found;
     }
-    let mut other_recovered = recovered.as_ref().map(|values| vec![0.0; values.len()]);
-    let (other, _) = summed(&data, law, &narrower, other_recovered.as_deref_mut());
-    let Ok(other) = other else { return found };
-    if found.as_ref().is_ok_and(|found| found.recovered <= other.recovered) {
-        return found.map(|found| found.intersection(&other));
+    match (found, summed(&data, law, &narrower).0) {
+        (Ok(found), Ok(other)) => Ok(found.intersection(&other)),
+        (found, other) => found.or(other),
     }
-    if let (Some(recovered), Some(other)) = (recovered, other_recovered) {
-        recovered.copy_from_slice(&other);
-    }
-    Ok(found.map_or_else(|_| other.clone(), |found| found.intersection(&other)))
 }
 
-/// Returns the bounds for a vector in K, writes the recovery to `recovered`, and returns the ends of the interval of
-/// the law that the reactions reach. This is the central function.
+/// Returns the bounds for a vector in K, and the ends of the interval of the law that the reactions reach. This is the
+/// central function.
 fn summed(
     data: &AllCells<'_>,
     law: Law,
     Projection { v, distance: projection_distance }: &Projection<'_>,
-    recovered: Option<&mut [f64]>,
 ) -> (Result<Bounds, NoBound>, Slips) {
-    let (total, slips) = walk::total(data, law, v, recovered);
+    let (total, slips) = walk::total(data, law, v);
     (combined(data.grid().cells(), &total, *projection_distance), slips)
 }
 

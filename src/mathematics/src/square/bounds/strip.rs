@@ -157,19 +157,3 @@ impl<'a> Extended<'a> {
 fn reflected(v: &[f64], a: &[f64]) -> Vec<f64> {
     v.iter().zip(a).map(|(v, a)| v + 2.0 * a).collect()
 }
-
-/// Values of the recovery at the corners, the midpoints of edges and the centre of a cell, row by row.
-pub(super) fn values(cell: &SpecialCell) -> [[f64; 3]; 3] {
-    let ([ll, lr, ul, ur], [[bottom, top], [left, right]]) = (cell.corners(), cell.bubbles);
-    let centre = 0.25 * ((ll + lr) + (ul + ur)) - 0.125 * ((bottom + top) + (left + right));
-    [
-        [ll, at_midpoint(ll, lr, bottom), lr],
-        [at_midpoint(ll, ul, left), centre, at_midpoint(lr, ur, right)],
-        [ul, at_midpoint(ul, ur, top), ur],
-    ]
-}
-
-/// Value of the recovery at the midpoint of an edge with values p and q at its ends.
-fn at_midpoint(p: f64, q: f64, bubble: f64) -> f64 {
-    0.5 * (p + q) - 0.25 * bubble
-}

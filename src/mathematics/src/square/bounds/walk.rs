@@ -6,7 +6,7 @@ use super::flux::Reactions;
 use super::moments::CellMoments;
 use super::regular::Regular;
 use super::residual::Pyramid;
-use super::strip::{Extended, FluxStrip, values};
+use super::strip::{Extended, FluxStrip};
 use crate::bounds::boundary::{PartLaw, Slips};
 use crate::discrete::grid::Grid;
 use crate::machine::extremes::max_or_second;
@@ -39,21 +39,14 @@ pub(super) struct Total {
 
 /// Computes the sums for the nodal vector `v`, whose values on the boundary the law must allow, with the ends of its
 /// interval that the reactions reach. The law must be able to balance the integral of f.
-///
-/// Writes the recovery on the grid of half the width to `recovered`, if that is given.
-pub(super) fn total(
-    data: &AllCells<'_>,
-    law: Law,
-    v: &[f64],
-    recovered: Option<&mut [f64]>,
-) -> (Total, Slips) {
+pub(super) fn total(data: &AllCells<'_>, law: Law, v: &[f64]) -> (Total, Slips) {
     let grid = data.grid();
     let outer: Vec<f64> = grid.boundary().map(|node| v[node]).collect();
     let reactions = Reactions::new(grid, law, v, &outer, data);
     let extended = Extended::new(grid, v, &reactions);
     let strip = FluxStrip::new(extended);
     let law = PartLaw::new(law, grid.h());
-    let sweep = CellSweep::new(data, law, strip, recovered);
+    let sweep = CellSweep::new(data, law, strip);
     let total = vectorised(
         #[inline(always)]
         || sweep.run(),
@@ -86,16 +79,10 @@ struct CellSweep<'a> {
     batch: Batch,
     /// Sum of the squares of the means, times `h^2`, of residuals that are rounding errors.
     noise: f64,
-    recovered: Option<&'a mut [f64]>,
 }
 
 impl<'a> CellSweep<'a> {
-    fn new(
-        data: &'a AllCells<'a>,
-        law: PartLaw,
-        strip: FluxStrip<'a>,
-        recovered: Option<&'a mut [f64]>,
-    ) -> Self {
+    fn new(data: &'a AllCells<'a>, law: PartLaw, strip: FluxStrip<'a>) -> Self {
         let (grid, n) = (strip.v.grid, strip.v.grid.cells());
         Self {
             grid,
@@ -110,7 +97,6 @@ impl<'a> CellSweep<'a> {
             regular: Regular::default(),
             batch: Batch::default(),
             noise: 0.0,
-            recovered,
         }
     }
 
@@ -127,7 +113,6 @@ impl<'a> CellSweep<'a> {
             self.strip.advance(&self.cells[1], &self.cells[2]);
             let ahead = largest(self.strip.v.row(n.min(j + 2)));
             self.total.largest = self.total.largest.max(ahead);
-            self.write_recovered(j);
             self.sum(j);
             if (j + 1).is_multiple_of(BLOCK) {
                 self.settle();
@@ -220,20 +205,6 @@ impl<'a> CellSweep<'a> {
                 self.total.boundary_bubble_gain += cell.boundary_bubble_gain(axis, k);
             }
         }
-    }
-
-    /// Writes the values of the recovery on row `j` of cells to three rows of the grid of half the width.
-    fn write_recovered(&mut self, j: usize) {
-        let Some(out) = self.recovered.take() else { return };
-        let side = 2 * self.grid.cells() + 1;
-        for i in 0..self.grid.cells() {
-            let (cell, _) = self.strip.cell([i, j], CellMoments::default());
-            for (k, values) in values(&cell).iter().enumerate() {
-                let start = (2 * j + k) * side + 2 * i;
-                out[start..start + 3].copy_from_slice(values);
-            }
-        }
-        self.recovered = Some(out);
     }
 }
 

@@ -8,10 +8,52 @@ use crate::problem::law::Law;
 use crate::square::bounds::cells::SpecialCell;
 use crate::square::bounds::data::AllCells;
 use crate::square::bounds::flux::Reactions;
+use crate::square::bounds::moments::CellMoments;
 use crate::square::bounds::project;
-use crate::square::bounds::strip::Extended;
+use crate::square::bounds::strip::{Extended, FluxStrip};
 use crate::square::bounds::walk::{Total, total};
 use crate::square::load::{integrals, load};
+use std::borrow::Cow;
+
+/// Values of the recovery of v on the grid of half the width.
+fn recovery(data: &AllCells, law: Law, v: &[f64]) -> Vec<f64> {
+    let grid = data.grid();
+    let (n, side) = (grid.cells(), 2 * grid.cells() + 1);
+    let outer: Vec<f64> = grid.boundary().map(|node| v[node]).collect();
+    let reactions = Reactions::new(grid, law, v, &outer, data);
+    let mut strip = FluxStrip::new(Extended::new(grid, v, &reactions));
+    let row = |j: usize| if j < n { data.row(j) } else { Cow::default() };
+    strip.advance(&[], &row(0));
+    strip.advance(&row(0), &row(1));
+    let mut recovered = vec![0.0; side * side];
+    for j in 0..n {
+        strip.advance(&row(j + 1), &row(j + 2));
+        for i in 0..n {
+            let (cell, _) = strip.cell([i, j], CellMoments::default());
+            for (k, values) in values(&cell).iter().enumerate() {
+                let start = (2 * j + k) * side + 2 * i;
+                recovered[start..start + 3].copy_from_slice(values);
+            }
+        }
+    }
+    recovered
+}
+
+/// Values of the recovery at the corners, the midpoints of edges and the centre of a cell, row by row.
+fn values(cell: &SpecialCell) -> [[f64; 3]; 3] {
+    let ([ll, lr, ul, ur], [[bottom, top], [left, right]]) = (cell.corners(), cell.bubbles);
+    let centre = 0.25 * ((ll + lr) + (ul + ur)) - 0.125 * ((bottom + top) + (left + right));
+    [
+        [ll, at_midpoint(ll, lr, bottom), lr],
+        [at_midpoint(ll, ul, left), centre, at_midpoint(lr, ur, right)],
+        [ul, at_midpoint(ul, ur, top), ur],
+    ]
+}
+
+/// Value of the recovery at the midpoint of an edge with values p and q at its ends.
+fn at_midpoint(p: f64, q: f64, bubble: f64) -> f64 {
+    0.5 * (p + q) - 0.25 * bubble
+}
 
 /// Integral over the boundary of a function of the place on it and of the values at the ends and the middle of an
 /// edge, which are on the boundary of the grid of half the width.
@@ -100,8 +142,8 @@ fn a_sweep_has_the_integrals_of_the_vector_and_of_its_recovery() {
                 .enumerate()
                 .for_each(|(node, value)| *value += libm::sin(0.3 * (node % (n + 1)) as f64) - 0.2);
             let v = project(grid, Slips::ALL.and(law), &y).v.into_owned();
-            let mut recovered = vec![0.0; (2 * n + 1).pow(2)];
-            let (found, _) = total(&data, law, &v, Some(&mut recovered));
+            let recovered = recovery(&data, law, &v);
+            let (found, _) = total(&data, law, &v);
             let cells = cells_of(grid, &recovered, &data, true);
             let [square, load_of_w] = inside(&cells);
             let what = format!("{f} {law} {n}");
