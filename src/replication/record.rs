@@ -94,10 +94,10 @@ static TRUE_ENERGIES: Mutex<BTreeMap<String, Result<f64, String>>> = Mutex::new(
 
 /// Energy of the true solution of the problem of a statement, of which this is an answer.
 fn true_energy(
-    Statement { domain, boundary, f, .. }: &Statement,
+    Statement { domain, boundary, f, k, reaction, .. }: &Statement,
     solved: &Solved,
 ) -> Result<f64, String> {
-    let problem = format!("{domain:?} {boundary:?} {f}");
+    let problem = format!("{domain:?} {boundary:?} {f} {k:?} {reaction:?}");
     let known = TRUE_ENERGIES.lock().unwrap_or_else(PoisonError::into_inner).get(&problem).cloned();
     // Not under the lock: threads that wait for it could not help to find the solution.
     known.unwrap_or_else(|| {

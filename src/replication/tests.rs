@@ -143,16 +143,38 @@ fn f() -> impl Strategy<Value = [String; 2]> {
     })
 }
 
+/// k and a reaction.
+fn operator() -> impl Strategy<Value = (Option<String>, Option<f64>)> {
+    let k = ["2", "region(core)=5; else=1/3", "region(\"a  b; c\")=1e-3; region(d)=2"];
+    prop_oneof![
+        Just((None, None)),
+        (0..3usize, 0..3u8).prop_map(move |(number, reaction)| {
+            (Some(k[number].to_owned()), Some(f64::from(reaction)).filter(|c| *c > 0.0))
+        })
+    ]
+}
+
 /// Statements whose fields go with each other.
 fn statement() -> impl Strategy<Value = Statement> {
     let solver = (0..SOLVERS.len()).prop_map(|k| SOLVERS[k].solver);
     let of_solver = (solver, saddle(), proptest::option::of(positive()));
-    (domain(), f(), boundary(), load(), fineness(), of_solver).prop_map(
-        |(domain, [on_grids, elsewhere], boundary, load, fineness, (solver, saddle, tolerance))| {
-            let usual = Statement { boundary, ..Statement::usual(domain, "") };
-            let (has_grids, Statement { domain, boundary, .. }) = (usual.has_grids(), usual);
+    let of_boundary = (boundary(), operator());
+    (domain(), f(), of_boundary, load(), fineness(), of_solver).prop_map(
+        |(
+            domain,
+            [on_grids, elsewhere],
+            of_boundary,
+            load,
+            fineness,
+            (solver, saddle, tolerance),
+        )| {
+            let (boundary, (k, reaction)) = of_boundary;
+            let usual = Statement { boundary, k, reaction, ..Statement::usual(domain, "") };
+            let has_grids = usual.has_grids();
+            let Statement { domain, boundary, k, reaction, .. } = usual;
             let (is_square, is_cube) = (domain.is_square(), domain.is_cube());
-            let solver = if solver.entry().in_space || is_square { solver } else { Solver::Uzawa };
+            let takes = (solver.entry().in_space || is_square) && k.is_none();
+            let solver = if takes { solver } else { Solver::Uzawa };
             let fits = match fineness {
                 Fineness::Usual => true,
                 Fineness::Grids(_) => has_grids,
@@ -171,6 +193,8 @@ fn statement() -> impl Strategy<Value = Statement> {
                 saddle: solver.is_nested().then_some(SaddleSettings { prolongation, ..saddle }),
                 tolerance: tolerance.filter(|_| solver == Solver::Multigrid && !is_within),
                 boundary,
+                k,
+                reaction,
                 domain,
                 fineness,
                 solver,

@@ -28,8 +28,8 @@ macro_rules! pages {
 }
 
 pages! {
-    answers, book, boundary, cache, certificate, comparison, damage, domains, f, files, identify, init, links, meshes, names,
-    others, refusals, runs, studies,
+    answers, book, boundary, cache, certificate, comparison, damage, domains, equations, f, files, identify, init, links,
+    meshes, names, others, refusals, runs, studies,
 }
 
 fn folder() -> PathBuf {

@@ -43,15 +43,18 @@ pub(super) fn boundary(solved: &Solved) -> String {
         let force = force(arc.force, error);
         text += &format!("{holds} {place}, force {force}\n");
     }
-    let has_fixed = problem.domain(problem.finest()).has_fixed_part();
+    let bears_load = problem.domain(problem.finest()).bears_load();
     let have_several = problem.law().is_none() && problem.levels().laws().len() > 1;
-    let have_other = has_fixed || have_several || problem.levels().facts().given != 0.0;
+    let have_other = bears_load || have_several || problem.levels().facts().given != 0.0;
     let parts = if have_other { solved.on_parts() } else { Vec::new() };
     let given = parts.iter().filter(|part| part.law.is_free()).map(|part| part.force).sum::<f64>();
     let sums = [solved.force(), 0.0 - solved.integral() - given];
     let [force, balance] = sums.map(|sum| force(sum, error));
     let and = if given == 0.0 { "" } else { " and of given fluxes" };
-    text += &format!("{total} {force}, minus the integral of f{and} {balance}\n");
+    let reacted = solved.reacted().map_or(String::new(), |sum| {
+        format!(", of which the reaction takes {}", self::force(0.0 - sum, error))
+    });
+    text += &format!("{total} {force}, minus the integral of f{and} {balance}{reacted}\n");
     let mut fluxes = Vec::new();
     for part in parts {
         fluxes.push(format!("{} {}", part.name, self::force(part.force, error)));

@@ -43,10 +43,14 @@ pub(super) fn study<'a>(name: &'a str, args: &SolveArgs, study: &Study) -> Resul
     if let Some(f) = args.fields.text("f") {
         f.clone_into(&mut first.f);
     }
+    if let Some(k) = args.fields.text("k") {
+        first.k = Some(k.to_owned());
+    }
     let mut lists = study.lists();
-    // Of f, the members have numbers in place of its names.
-    for (_, values) in lists.iter_mut().filter(|(name, _)| name == "f") {
-        let given = args.vary.iter().filter(|list| list.name == "f").flat_map(|list| &list.values);
+    // Of f and k, the members have numbers in place of their names.
+    for (name, values) in lists.iter_mut().filter(|(name, _)| ["f", "k"].contains(&&**name)) {
+        let given =
+            args.vary.iter().filter(|list| list.name == *name).flat_map(|list| &list.values);
         *values = given.map(|value| Varying::Text(text(value))).collect();
     }
     let text = write::study(title, &first, &lists, &args.fields);

@@ -109,8 +109,9 @@ impl<'a> Asked<'a> {
         let memory = Memory::new(machine::available_memory());
         let mut checked = BTreeSet::new();
         for Member { statement, .. } in &self.study.members {
-            let Statement { domain, boundary, fineness, solver, f, .. } = statement;
-            let kind = format!("{domain:?} {boundary:?} {fineness:?} {solver} {f}");
+            let Statement { domain, boundary, fineness, solver, f, k, reaction, .. } = statement;
+            let kind =
+                format!("{domain:?} {boundary:?} {fineness:?} {solver} {f} {k:?} {reaction:?}");
             if !checked.insert(kind) {
                 continue;
             }

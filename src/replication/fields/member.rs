@@ -4,6 +4,7 @@
 //! another value than its own.
 
 use super::Fields;
+use super::names::NAMED;
 use super::table::{FIELDS, Field, Reading, Refused, Voice, field, toml};
 use crate::pipeline::names::composed;
 use serde::{Deserialize, Serialize};
@@ -73,8 +74,9 @@ impl Member {
     pub(crate) fn over(&self, names: &[String], options: &Fields) -> Reading<Self> {
         let statement = options.over(self.statement.clone(), Voice::OverScene)?;
         let member = Self { statement, ..self.clone() };
-        if let Some(name) = self.numbers.keys().next().filter(|_| options.has("f")) {
-            return Err(does_not_go("f", name));
+        let text = NAMED.into_iter().find(|field| options.has(field));
+        if let Some((name, text)) = self.numbers.keys().next().zip(text) {
+            return Err(does_not_go(text, name));
         }
         for varied in names.iter().filter_map(|name| field(name)) {
             let mut given = FIELDS.iter().filter(|option| options.has(option.name));

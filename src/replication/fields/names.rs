@@ -1,41 +1,50 @@
-//! Names in f, each behind a dollar, in whose place a study has numbers.
+//! Names in the texts of f and k, each behind a dollar, in whose place a study has numbers.
 
 use super::parts::places;
 use super::table::{Reading, Refused, field};
 use signorini_mathematics::problem::text::Written;
 use std::collections::BTreeMap;
 
-/// Refuses an f with a name to which nothing has given a number.
-pub(super) fn check_names(f: &str) -> Reading<()> {
-    with_numbers(f, &BTreeMap::new()).map(|_| ())
+/// Fields whose texts may have names.
+pub(super) const NAMED: [&str; 2] = ["f", "k"];
+
+/// Refuses a text of a field with a name to which nothing has given a number.
+pub(super) fn check_names(field: &str, text: &str) -> Reading<()> {
+    with_numbers(field, text, &BTreeMap::new()).map(|_| ())
 }
 
-/// Returns f with numbers in place of its names: in a formula in parentheses, elsewhere where a number can stand.
+/// Returns f, or the text of another field, with numbers in place of its names: in a formula in parentheses, elsewhere
+/// where a number can stand.
 ///
 /// # Errors
 /// [`Refused`] if a name has no number, or stands where f has something else than a number.
-pub(super) fn with_numbers(f: &str, numbers: &BTreeMap<String, f64>) -> Reading<String> {
+pub(super) fn with_numbers(
+    field: &str,
+    f: &str,
+    numbers: &BTreeMap<String, f64>,
+) -> Reading<String> {
     let (mut text, mut end) = (String::new(), 0);
     for place in places(f) {
         let (before, after) = (&f[..place.start - 1], &f[place.end..]);
         text += &before[end..];
         end = place.end;
         let name = &f[place];
-        let number = *numbers.get(name).ok_or_else(|| without_values("f", name))?;
+        let number = *numbers.get(name).ok_or_else(|| without_values(field, name))?;
         if is_in_formula(&unquoted(before)) {
             text += &format!("({})", Written(number));
             continue;
         }
         let (kept, sign) = without_sign(text.trim_end());
-        if !kept.ends_with(['(', ',', '=', '/'])
+        let is_whole = field != "f" && kept.is_empty();
+        if !is_whole && !kept.ends_with(['(', ',', '=', '/'])
             || is_in_region(&unquoted(before))
             || !after.trim_start_matches([' ', '\t', '\r']).starts_with([')', ',', '/', ';', '\n'])
                 && !after.trim().is_empty()
         {
             let text = format!(
-                "${name} in f is a number, and stands where one can, as in disc(0,0,$R)=$b or formula($a*x - 1)"
+                "${name} in {field} is a number, and stands where one can, as in disc(0,0,$R)=$b or formula($a*x - 1)"
             );
-            return Err(Refused::new("f", text));
+            return Err(Refused::new(field, text));
         }
         text.truncate(kept.len());
         // A negative zero is written as zero.
@@ -93,7 +102,7 @@ mod tests {
 
     fn with(f: &str, number: f64) -> Result<String, String> {
         let numbers = [("a".to_owned(), number), ("b".to_owned(), 0.5)].into();
-        with_numbers(f, &numbers).map_err(|refused| refused.text)
+        with_numbers("f", f, &numbers).map_err(|refused| refused.text)
     }
 
     #[test]
@@ -137,6 +146,6 @@ mod tests {
             assert!(with(f, 1.0).unwrap_err().contains("in f is a number"), "{f}");
         }
         assert!(with("else=$h", 1.0).unwrap_err().contains("`h` is a field"));
-        assert!(check_names("else=$c").unwrap_err().text.contains("no values"));
+        assert!(check_names("f", "else=$c").unwrap_err().text.contains("no values"));
     }
 }

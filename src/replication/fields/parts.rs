@@ -78,6 +78,14 @@ fn read(law: LawNumber, text: &str) -> Result<Formula, String> {
     }
 }
 
+/// Returns a text in one line, unless names of regions in quotes may have spaces.
+pub(super) fn one_line(text: &str) -> String {
+    match text.contains('"') {
+        true => text.trim().to_owned(),
+        false => text.split_whitespace().collect::<Vec<_>>().join(" "),
+    }
+}
+
 /// True if the text can be a name in place of a number.
 pub(super) fn is_name(text: &str) -> bool {
     !text.is_empty()

@@ -1,8 +1,8 @@
 //! The statement that fields make.
 
 use super::Fields;
-use super::names::{check_names, without_values};
-use super::parts::names;
+use super::names::{NAMED, check_names, without_values};
+use super::parts::{names, one_line};
 use super::table::{FIELDS, Field, Reading, Refused, Voice, without_accuracy};
 use signorini_mathematics::problem::source::Source;
 use signorini_mathematics::solvers::Solver;
@@ -74,6 +74,9 @@ impl Fields {
         if let Some(name) = named.and_then(|(_, number)| names(number).next()) {
             return Err(without_values(field.name, name));
         }
+        if NAMED.contains(&field.name) {
+            check_names(field.name, &given.concat())?;
+        }
         (field.set)(of, given).map_err(|reason| {
             let given = voice.with_value(field.name, &given.join(" "));
             Refused::new(field.name, format!("{given}: {reason}"))
@@ -97,16 +100,13 @@ impl Fields {
 
 /// Reads f, on grids as far as it can be without a mesh.
 fn f_on(has_grids: bool, f: &str, voice: Voice) -> Reading<String> {
-    check_names(f)?;
     Ok(match has_grids {
         true => {
             let read = f.parse::<Source>();
             let place = if voice == Voice::Keys { "" } else { "--f: " };
             read.map_err(|e| Refused::new("f", format!("{place}{e}")))?.to_string()
         }
-        // Names of regions may have spaces.
-        false if f.contains('"') => f.trim().to_owned(),
-        false => f.split_whitespace().collect::<Vec<_>>().join(" "),
+        false => one_line(f),
     })
 }
 

@@ -1,6 +1,6 @@
 //! The table of fields: names, values, and which solvers, domains and other fields they go with.
 
-use super::parts::{names as names_in, said, texts_of_law, under};
+use super::parts::{names as names_in, one_line, said, texts_of_law, under};
 use super::{Fields, PAPERS};
 use crate::pipeline::error::Error;
 use clap::builder::PossibleValue;
@@ -44,7 +44,7 @@ pub(crate) struct Field {
     /// Domains that have it.
     pub(super) domains: Domains,
     /// True if another value makes another problem of a scene.
-    pub(super) is_of_problem: bool,
+    pub(crate) is_of_problem: bool,
     /// Facts that it says, in words: of all fields that say the same, one is given.
     pub(super) says: &'static [&'static str],
     /// Value in a statement on a domain that has the field, in texts as options have it; none where it has none.
@@ -120,7 +120,7 @@ const ANY: Field = Field {
 };
 
 /// Fields, in the order in which they are written.
-pub(crate) static FIELDS: [Field; 23] = [
+pub(crate) static FIELDS: [Field; 25] = [
     Field {
         name: "f",
         help: "The right-hand side, as 'disc(0,0,0.2)=4; else=-1'",
@@ -233,6 +233,31 @@ pub(crate) static FIELDS: [Field; 23] = [
         texts: |of| texts_of_law(of, LawNumber::Flux),
         set: |of, given| under(of, LawNumber::Flux, given),
         ..OF_LAW
+    },
+    Field {
+        name: "k",
+        help: "Factor of the flux k grad v, as 2 or 'region(core)=5; else=1' [default: 1]",
+        more: "It is a positive number on each region of a Gmsh file.",
+        value_name: "K",
+        is_of_problem: true,
+        solvers: |solver| solver != Solver::Spectral,
+        texts: |of| of.k.iter().cloned().collect(),
+        set: |of, given| Ok(Statement { k: Some(one_line(&given.concat())), ..of }),
+        ..ANY
+    },
+    Field {
+        name: "reaction",
+        help: "Factor C of a term C v of the equation, 0 or positive [default: 0]",
+        value_name: "C",
+        is_of_problem: true,
+        solvers: |solver| solver != Solver::Spectral,
+        texts: |of| vec![Written(of.reaction.unwrap_or_default()).to_string()],
+        set: |of, given| {
+            let number = read(given).filter(|Written(number)| *number >= 0.0);
+            let Written(number) = number.ok_or("must be 0 or a positive number, e.g. 4")?;
+            Ok(Statement { reaction: Some(number).filter(|number| *number > 0.0), ..of })
+        },
+        ..ANY
     },
     Field {
         name: "solver",
@@ -548,7 +573,7 @@ pub(crate) fn field(name: &str) -> Option<&'static Field> {
 
 impl Field {
     /// Value in a statement that a scene or a command has to name; none if it is the usual one.
-    pub(super) fn named(&self, statement: &Statement) -> Option<Vec<String>> {
+    pub(crate) fn named(&self, statement: &Statement) -> Option<Vec<String>> {
         let usual = self.usual(statement.saddle.is_some());
         self.value_in(statement).filter(|texts| *texts != usual)
     }
@@ -624,7 +649,7 @@ impl Field {
 
     /// True if it decides which others may be given.
     pub(super) fn decides_others(&self) -> bool {
-        ["domain", "solver"].contains(&self.name) || self.law.is_some()
+        ["domain", "k", "reaction", "solver"].contains(&self.name) || self.law.is_some()
     }
 
     /// True if the key may stand in this table of a scene.
@@ -790,7 +815,7 @@ impl Field {
         let text = match self.domains {
             _ if self.domains.contain(of) => return Ok(()),
             Domains::Grids if domain.is_square() => {
-                "is about grids, and under laws of its sides the square has a mesh; leave it out"
+                "is about grids, and with k, a reaction or laws of its sides the square has a mesh; leave it out"
                     .to_owned()
             }
             _ if voice == Voice::OverScene => {

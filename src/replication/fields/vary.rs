@@ -6,7 +6,7 @@
 use super::Fields;
 use super::lists::{MOST_MEMBERS, Varied, product_of};
 use super::member::{Member, Varying, in_words};
-use super::names::with_numbers;
+use super::names::{NAMED, with_numbers};
 use super::parts::{is_name, names};
 use super::table::{FIELDS, Reading, Refused, Voice, field, text};
 use crate::replication::columns::{COLUMNS, END};
@@ -145,17 +145,17 @@ impl Vary {
             }
         }
         let in_laws = fields.names_in_laws();
-        let in_f: BTreeSet<&str> = names(fields.text("f").unwrap_or_default())
-            .chain(in_laws.iter().map(|name| &**name))
-            .collect();
+        let in_texts = NAMED.iter().filter_map(|field| fields.text(field));
+        let known: BTreeSet<&str> =
+            in_texts.flat_map(names).chain(in_laws.iter().map(|name| &**name)).collect();
         let mut numbers = BTreeMap::new();
         for (name, value) in own {
-            if !in_f.contains(name.as_str()) {
+            if !known.contains(name.as_str()) {
                 let known: Vec<_> = FIELDS.iter().map(|field| field.name).collect();
                 let known = known.join(", ");
                 let text = limits::of_word(name).unwrap_or_else(|| {
                     format!(
-                        "no such field, and neither f nor a law has ${name}; the fields are {known}"
+                        "no such field, and neither f, k nor a law has ${name}; the fields are {known}"
                     )
                 });
                 return Err(refused(voice, name, None, &text));
@@ -163,9 +163,11 @@ impl Vary {
             numbers.insert(name.clone(), number_of(voice, name, value)?);
         }
         fields.put_into_laws(&numbers);
-        if let Some(f) = fields.text("f") {
-            let f = with_numbers(f, &numbers)?;
-            fields.0.insert("f", vec![f]);
+        for field in NAMED {
+            if let Some(text) = fields.text(field) {
+                let text = with_numbers(field, text, &numbers)?;
+                fields.0.insert(field, vec![text]);
+            }
         }
         Ok((fields, numbers))
     }

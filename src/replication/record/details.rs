@@ -73,6 +73,10 @@ pub(crate) fn settings(statement: &Statement) -> Vec<(&'static str, Varying)> {
     let laws = statement.boundary.in_words().ok().flatten();
     let mut settings: Vec<_> = laws.map(|laws| ("law", Varying::Text(laws))).into_iter().collect();
     for field in FIELDS.iter().filter(|field| field.is_of_solver()) {
+        // Of the problem, what is not as usual.
+        if field.is_of_problem && field.named(statement).is_none() {
+            continue;
+        }
         settings.extend(field.varying(statement).map(|value| (field.name, value)));
     }
     settings

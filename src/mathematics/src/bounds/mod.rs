@@ -35,10 +35,10 @@ use serde::{Deserialize, Serialize};
 pub struct Bounds {
     /// Ends of an interval that contains the energy J(u) of the true solution u.
     pub energy: [f64; 2],
-    /// Ends of an interval that contains the L2 norm of `grad (u - v)`, v piecewise linear: on the square on triangles
-    /// cut by rising diagonals.
+    /// Ends of an interval that contains the energy norm of `u - v`, the root of the integral of `k |grad (u - v)|^2 +
+    /// c (u - v)^2`, v piecewise linear: on the square on triangles cut by rising diagonals.
     pub error: [f64; 2],
-    /// Lower bound of the L2 norm of `grad u`; none where it follows from the energy, since all values of laws are 0.
+    /// Lower bound of the energy norm of u; none where it follows from the energy, since all values of laws are 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gradient: Option<f64>,
     /// Upper bound of the L2 norm of `grad (u - w)`, w the recovery of v, which is piecewise quadratic; none on meshes,
@@ -51,15 +51,15 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Upper bound of the error relative to `|grad u|`; infinite if the bounds do not exclude `|grad u| = 0`, but zero
-    /// if there is no error.
+    /// Upper bound of the error relative to the energy norm of u; infinite if the bounds do not exclude that this is 0,
+    /// but zero if there is no error.
     pub fn relative(&self) -> f64 {
         ratio(self.error[1], self.size())
     }
 
-    /// Lower bound of the L2 norm of `grad u`.
+    /// Lower bound of the energy norm of u.
     fn size(&self) -> f64 {
-        // |grad u|^2 = -2 J(u) under every law whose value is 0, since j(u) = -(du/dn) u on the boundary.
+        // Its square is -2 J(u) under every law whose value is 0, since j(u) = -(du/dn) u on the boundary.
         self.gradient.unwrap_or_else(|| (-2.0 * self.energy[1]).max(0.0).sqrt())
     }
 
@@ -105,8 +105,8 @@ impl Bounds {
         Self { energy: [low - energy, high], error, gradient, recovered: None, curve: None }
     }
 
-    /// Width of the bracket of the energy over half the square of `|grad u|`, which is |J(u)| where all values of laws
-    /// are 0; infinite if the bounds do not exclude `|grad u| = 0`, but zero if there is no width.
+    /// Width of the bracket of the energy over half the square of the energy norm of u, which is |J(u)| where all
+    /// values of laws are 0; infinite if the bounds do not exclude that this is 0, but zero if there is no width.
     pub fn relative_energy(&self) -> f64 {
         let [low, high] = self.energy;
         // J(u) is at most zero without values.

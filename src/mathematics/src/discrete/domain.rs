@@ -60,11 +60,11 @@ impl<'a> DiscreteDomain<'a> {
         }
     }
 
-    /// True if v = 0 on a part of the boundary.
-    pub fn has_fixed_part(self) -> bool {
+    /// True if v is given on a part of the boundary, or a reaction bears a part of the load.
+    pub fn bears_load(self) -> bool {
         match self {
             Self::Grid(..) => false,
-            Self::Network(network) => !network.held().is_empty(),
+            Self::Network(network) => !network.held().is_empty() || network.has_reaction(),
         }
     }
 
@@ -112,5 +112,8 @@ pub(crate) fn components(network: &Network, of_nodes: &[u32], load: &[f64]) -> V
     for &ContactNode { node, measure, law } in network.boundary() {
         found[of_nodes[node] as usize].laws.add(law, measure);
     }
+    // A reaction bears every load, as a fixed part does.
+    let held = found.iter_mut().zip(network.held_components(of_nodes));
+    held.filter(|(_, is_held)| *is_held).for_each(|(of, _)| of.laws.add(Law::FIXED, 1.0));
     found
 }

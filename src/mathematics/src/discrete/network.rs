@@ -1,8 +1,9 @@
 //! The discrete problem on any triangulation: nodes, the couplings between them, and their parts of the boundary.
 //!
 //! The energy of a nodal vector y is half the sum of `weight (y_i - y_j)^2` over all couplings, less `<F, y>`: the
-//! stiffness matrix (5) has `-weight` beside the diagonal, and rows that sum to zero. In (7)-(12) the part of the
-//! boundary at a node takes the place of h.
+//! stiffness matrix (5) has `-weight` beside the diagonal, and rows that sum to zero; a reaction adds to the diagonal,
+//! and half of the sum of `c mass y_i^2` to the energy. In (7)-(12) the part of the boundary at a node takes the place
+//! of h.
 
 use crate::machine::extremes::max_or_nan;
 use crate::problem::law::{ContactNode, Law, LawSum};
@@ -38,6 +39,8 @@ pub struct Network {
     places: Vec<u32>,
     /// Integrals of the hat functions over the domain, the lumped mass matrix.
     masses: Vec<f64>,
+    /// Factor of these in the diagonal.
+    reaction: f64,
     /// Sum of j over the facets with the nodes at their values: not 0 where a facet has another value than its node.
     potential: f64,
 }
@@ -178,6 +181,7 @@ impl Network {
             moving: 0,
             places: vec![INNER; nodes],
             masses,
+            reaction: 0.0,
             potential: 0.0,
         };
         network.set_boundary(boundary);
@@ -219,7 +223,8 @@ impl Network {
         let mut boundary = self.boundary.clone();
         boundary.iter_mut().for_each(|contact| contact.node = places[contact.node] as usize);
         boundary.sort_unstable_by_key(|contact| contact.node);
-        Self::of_rows(rows, boundary, masses).with_additions(&additions)
+        let renumbered = Self::of_rows(rows, boundary, masses).with_additions(&additions);
+        Self { reaction: self.reaction, ..renumbered }
     }
 
     /// Network with other laws of the nodes with a law, in their order.
@@ -300,13 +305,35 @@ impl Network {
         laws
     }
 
-    /// Network whose matrix has the lumped mass matrix, times `weight`, added.
-    pub fn with_masses(&self, weight: f64) -> Self {
-        let mut network = self.clone();
-        for (diagonal, mass) in network.diagonal.iter_mut().zip(&self.masses) {
-            *diagonal += weight * mass;
+    /// Network whose matrix has the lumped mass matrix, times `weight`, added: a term c v of the equation.
+    #[must_use]
+    pub fn with_reaction(mut self, weight: f64) -> Self {
+        if weight > 0.0 {
+            for (diagonal, mass) in self.diagonal.iter_mut().zip(&self.masses) {
+                *diagonal += weight * mass;
+            }
+            self.reaction += weight;
         }
-        network
+        self
+    }
+
+    /// True if the matrix has a part of the lumped mass matrix.
+    pub(crate) fn has_reaction(&self) -> bool {
+        self.reaction > 0.0
+    }
+
+    /// Integral of c v for a nodal vector, the part of the load that the reaction takes; none without a reaction.
+    pub fn reacted(&self, y: &[f64]) -> Option<f64> {
+        let sum = || self.masses.iter().zip(y).map(|(mass, y)| mass * y).sum::<f64>();
+        self.has_reaction().then(|| self.reaction * sum())
+    }
+
+    /// True for each connected component in which y is given at some nodes, or that has a reaction: it bears every
+    /// load. `of_nodes` has the number of each node's component, from 0 on.
+    pub(crate) fn held_components(&self, of_nodes: &[u32]) -> Vec<bool> {
+        let mut are_held = vec![self.has_reaction(); count_components(of_nodes)];
+        self.held().iter().for_each(|of| are_held[of_nodes[of.node] as usize] = true);
+        are_held
     }
 
     /// Position of a node in [`Network::boundary`]; none inside and on a free part of the boundary.

@@ -75,7 +75,9 @@ where
         let outside = f.iter().map(Source::outside).find(|notes| !notes.is_empty());
         let outside = outside.filter(|_| finest.is_unit_box());
         let known = match &f[0] {
-            Source::Exact(known) if f.iter().all(|other| *other == f[0]) => Some(*known),
+            Source::Exact(known) if f.iter().all(|other| *other == f[0]) => {
+                Some(*known).filter(|_| finest.is_laplacian())
+            }
             _ => None,
         };
         let facts = Facts {

@@ -1,11 +1,14 @@
 //! A mesh of either dimension.
 
 use super::refine;
+use super::source::k_on_regions;
 use super::{
     BUILT_IN, BuiltIn, Mesh, MeshError, Names, Part, PlaneMesh, Round, SpaceMesh, measure,
 };
+use crate::problem::error::SCALE;
 use crate::problem::formula::Formula;
 use crate::problem::law::Law;
+use crate::problem::text::Written;
 use std::any::Any;
 use std::collections::BTreeMap;
 
@@ -234,6 +237,28 @@ impl AnyMesh {
             others.iter().for_each(|&part| mesh.parts[part].law = law);
             formula.map_or(Ok(()), |formula| mesh.set_values(others, &formula.to_string()))
         })
+    }
+
+    /// Sets the factor k of each region, where the flux is `k grad v`: a number of all of them, or text as that of f.
+    ///
+    /// # Errors
+    /// A sentence if the text does not say a positive number of each region.
+    pub fn set_k(&mut self, text: &str) -> Result<(), String> {
+        either!(self, mesh => mesh.k = k_on_regions(text, &mesh.region_names)?);
+        Ok(())
+    }
+
+    /// Sets the factor c of the term c v of the equation.
+    ///
+    /// # Errors
+    /// A sentence unless the number is 0, or positive and of a size to compute with.
+    pub fn set_reaction(&mut self, c: f64) -> Result<(), String> {
+        if c != 0.0 && !SCALE.contains(&c) {
+            let [least, most] = [SCALE.start, SCALE.end].map(Written);
+            return Err(format!("must be 0, or a positive number from {least} to {most}"));
+        }
+        either!(self, mesh => mesh.reaction = c);
+        Ok(())
     }
 
     /// Puts a part of the boundary, and its nodes, on a circle, sphere or cylinder, given by its numbers: the centre

@@ -26,7 +26,8 @@ pub(super) fn assemble_edges<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     edges: &Edges,
 ) -> Network {
-    assemble_with(mesh, edges.len(), |cell, ends| edges.of_cell::<V>(cell, ends))
+    let edge = |cell, ends| edges.of_cell::<V>(cell, ends);
+    assemble_with(mesh, edges.len(), edge, |cell| mesh.k(cell)).with_reaction(mesh.reaction)
 }
 
 /// As [`assemble`], for a mesh whose sides are known.
@@ -34,26 +35,38 @@ pub(crate) fn assemble_sides<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     sides: &Sides<V>,
 ) -> Network {
-    assemble_with(mesh, sides.edges(), |cell, ends| sides.edge(cell as u32, ends))
+    let edge = |cell, ends| sides.edge(cell as u32, ends);
+    assemble_with(mesh, sides.edges(), edge, |cell| mesh.k(cell)).with_reaction(mesh.reaction)
+}
+
+/// As [`assemble_sides`] without a reaction, with 1/k in place of k: the products of circulations around the nodes of a
+/// mesh in the plane.
+pub(crate) fn assemble_inverse<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    sides: &Sides<V>,
+) -> Network {
+    let edge = |cell, ends| sides.edge(cell as u32, ends);
+    assemble_with(mesh, sides.edges(), edge, |cell| 1.0 / mesh.k(cell))
 }
 
 /// Returns the discrete problem with the couplings that are no rounding errors; `edge` is the number of the edge
-/// between two vertices of a cell, the later one second.
+/// between two vertices of a cell, the later one second, and `factor` that of its couplings.
 fn assemble_with<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     edges: usize,
     edge: impl Fn(usize, [usize; 2]) -> usize,
+    factor: impl Fn(usize) -> f64,
 ) -> Network {
     let mut masses = vec![0.0; mesh.points.len()];
     let (mut ends, mut weights) = (vec![[0; 2]; edges], vec![0.0f64; edges]);
     for (number, cell) in mesh.cells.iter().enumerate() {
-        let element = Element::new(mesh.vertices(cell));
+        let (element, factor) = (Element::new(mesh.vertices(cell)), factor(number));
         for j in 0..V {
             masses[cell[j] as usize] += element.volume / V as f64;
             for i in 0..j {
                 let edge = edge(number, [i, j]);
                 ends[edge] = [cell[i].min(cell[j]), cell[i].max(cell[j])];
-                weights[edge] -= element.stiffness(i, j);
+                weights[edge] -= factor * element.stiffness(i, j);
             }
         }
     }

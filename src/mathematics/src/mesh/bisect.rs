@@ -348,6 +348,8 @@ impl<'a> Pieces<'a> {
                 .collect(),
             cells: self.cells,
             region_names: coarse.region_names.clone(),
+            k: coarse.k.clone(),
+            reaction: coarse.reaction,
             facets,
             parts: coarse.parts.clone(),
             values: coarse.values.clone(),

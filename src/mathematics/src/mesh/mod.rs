@@ -39,7 +39,7 @@ mod surface;
 pub use any::AnyMesh;
 pub(crate) use any::PartShares;
 pub use assemble::assemble;
-pub(crate) use assemble::{assemble_sides, check_meetings, check_values};
+pub(crate) use assemble::{assemble_inverse, assemble_sides, check_meetings, check_values};
 pub use at::PointValue;
 pub(crate) use beyond::{CurveGain, curve_gains};
 pub(crate) use bisect::{Bisected, bisect, is_stretched, label_longest_edges, quarter};
@@ -106,6 +106,10 @@ pub struct Mesh<const D: usize, const V: usize> {
     pub(crate) regions: Vec<u16>,
     /// Names of the regions.
     pub(crate) region_names: Vec<Names>,
+    /// Factor k of each region: the flux is `k grad v`.
+    pub(crate) k: Vec<f64>,
+    /// Factor c of the term c v of the equation, not negative.
+    pub(crate) reaction: f64,
     /// Facets of the boundary.
     pub(crate) facets: Vec<Facet<D>>,
     /// Parts of the boundary.
@@ -183,6 +187,18 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
     /// Names of the regions.
     pub fn region_names(&self) -> &[Names] {
         &self.region_names
+    }
+
+    /// k on a cell: the flux is `k grad v`.
+    #[inline(always)]
+    pub(crate) fn k(&self, cell: usize) -> f64 {
+        // Most meshes have one region.
+        if let [k] = self.k[..] { k } else { self.k[usize::from(self.regions[cell])] }
+    }
+
+    /// True if k is 1 everywhere, and there is no reaction.
+    pub(crate) fn is_laplacian(&self) -> bool {
+        self.k.iter().all(|k| *k == 1.0) && self.reaction == 0.0
     }
 
     /// Facets of the boundary.

@@ -112,6 +112,8 @@ pub(super) fn refine_edges<const D: usize, const V: usize>(
         elements,
         regions,
         region_names: mesh.region_names.clone(),
+        k: mesh.k.clone(),
+        reaction: mesh.reaction,
         facets,
         parts: mesh.parts.clone(),
         values: mesh.values.clone(),

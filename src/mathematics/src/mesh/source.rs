@@ -6,8 +6,9 @@
 use super::Names;
 use super::cut::ConstantPieces;
 use super::load::{MeshLoad, OnCells};
-use crate::problem::error::SourceError;
+use crate::problem::error::{SCALE, SourceError};
 use crate::problem::source::{Source, check_sizes};
+use crate::problem::text::Written;
 
 /// Reads f on each of these regions of a mesh whose largest coordinate has this size.
 ///
@@ -57,6 +58,34 @@ impl MeshLoad {
         }
         check_sizes(f.iter().filter_map(Source::largest).reduce(f64::max), self.size)
     }
+}
+
+/// Reads k on each of these regions: a number of all of them, or numbers as f has them.
+///
+/// # Errors
+/// A sentence.
+pub(super) fn k_on_regions(text: &str, region_names: &[Names]) -> Result<Vec<f64>, String> {
+    let example = "write a number, or one of each region as 'region(core)=5; else=1'";
+    let text = if text.contains('=') { text.to_owned() } else { format!("else={text}") };
+    let read = on_regions::<2>(&text, region_names, 1.0).map_err(|e| {
+        let of_f = e.to_string();
+        of_f.strip_prefix("f ").map_or_else(|| example.to_owned(), |rest| format!("k {rest}"))
+    })?;
+    let mut k = Vec::new();
+    for (source, names) in read.iter().zip(region_names) {
+        match source {
+            Source::Pieces { background, pieces } if pieces.is_empty() => k.push(*background),
+            _ => return Err(example.to_owned()),
+        }
+        let value = k[k.len() - 1];
+        if !SCALE.contains(&value) {
+            let [value, least, most] = [value, SCALE.start, SCALE.end].map(Written);
+            return Err(format!(
+                "{names} = {value} must be a positive number, of a size from {least} to {most}"
+            ));
+        }
+    }
+    Ok(k)
 }
 
 /// Gives f a value on all regions of this name.

@@ -13,8 +13,8 @@ pub(super) struct ContactProblem<'a> {
     pub(super) laws: Vec<Law>,
     /// Number of the connected component of each contact node, in the order of the network.
     pub(super) components: &'a [u32],
-    /// True for each component that has a fixed node.
-    pub(super) has_fixed: &'a [bool],
+    /// True for each component that bears every load; see [`Network::held_components`].
+    pub(super) is_held: &'a [bool],
     /// Flux through the boundary of each component that balances the load.
     pub(super) needed: Vec<f64>,
 }
@@ -123,13 +123,13 @@ impl<'a> Iterate<'a> {
         self.work += self.y.len() as f64;
     }
 
-    /// Subtracts the constant of least energy in each component without fixed nodes that cannot balance its load, and
+    /// Subtracts the constant of least energy in each component that bears no load that cannot balance its load, and
     /// holds the node that the constant [sets to zero](place_at_zero).
     ///
     /// True if there was such a component.
     fn shift_into_contact(&mut self) -> bool {
-        let ContactProblem { network, components, has_fixed, .. } = self.problem;
-        let mut balances = vec![Balance::default(); has_fixed.len()];
+        let ContactProblem { network, components, is_held, .. } = self.problem;
+        let mut balances = vec![Balance::default(); is_held.len()];
         for (b, (contact, &component)) in network.contact().iter().zip(components).enumerate() {
             let state = if self.held[contact.node] {
                 BoundaryState::Sticks
@@ -143,7 +143,7 @@ impl<'a> Iterate<'a> {
         let mut is_shifted = false;
         for (component, balance) in balances.iter().enumerate() {
             let needed = self.problem.needed[component];
-            if has_fixed[component] || balance.holds(needed) {
+            if is_held[component] || balance.holds(needed) {
                 continue;
             }
             let mut nodes: Vec<ContactValue> = Vec::new();

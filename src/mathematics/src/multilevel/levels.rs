@@ -215,8 +215,8 @@ impl NestedProblem<'_> {
 
 /// Connected components of nested networks.
 pub(super) struct Components {
-    /// True for each component that has a fixed node.
-    pub(super) has_fixed: Vec<bool>,
+    /// True for each component that bears every load; see [`Network::held_components`].
+    pub(super) is_held: Vec<bool>,
     /// Component of each contact node, for each level.
     pub(super) of_contact: Vec<Vec<u32>>,
     /// Component of each node of the finest level.
@@ -229,16 +229,13 @@ impl Components {
         let (of_nodes, of_contact) = levels.components();
         let found = components(levels.network(levels.finest()), &of_nodes, load);
         check_load(&found)?;
-        let mut has_fixed = vec![false; found.len()];
-        for contact in levels.network(levels.finest()).held() {
-            has_fixed[of_nodes[contact.node] as usize] = true;
-        }
-        Ok(Self { has_fixed, of_contact, of_nodes })
+        let is_held = levels.network(levels.finest()).held_components(&of_nodes);
+        Ok(Self { is_held, of_contact, of_nodes })
     }
 
     /// Flux through the boundary of each component that balances this load on the finest level.
     pub(super) fn needed(&self, load: &[f64]) -> Vec<f64> {
-        let mut needed = vec![0.0; self.has_fixed.len()];
+        let mut needed = vec![0.0; self.is_held.len()];
         for (&component, load) in self.of_nodes.iter().zip(load) {
             needed[component as usize] -= load;
         }

@@ -103,7 +103,7 @@ impl<'a> NetworkRun<'a> {
             network: levels.network(level),
             laws: self.nested.laws(self.has_limits, level)?,
             components: &components.of_contact[level],
-            has_fixed: &components.has_fixed,
+            is_held: &components.is_held,
             needed: self.needed.clone(),
         };
         let iterate = self.iterate.insert(Iterate::new(problem, &loads[level], y));

@@ -35,7 +35,7 @@ impl<'a> OnNetwork<'a> {
         assert!(pair.a.len() == network.contact().len());
         let weight = method.weight();
         let inner = match weight > 0.0 {
-            true => Cow::Owned(network.with_masses(weight)),
+            true => Cow::Owned(network.clone().with_reaction(weight)),
             false => Cow::Borrowed(network),
         };
         let terms = GradientTerms::on_network(&inner, r);

@@ -248,6 +248,11 @@ impl Solved {
         self.problem.levels().facts().without_rounding(force)
     }
 
+    /// Integral of the reaction c v; none without one.
+    pub fn reacted(&self) -> Option<f64> {
+        self.problem.networks()?.last()?.network.reacted(&self.run()?.y)
+    }
+
     /// Forces on each part of the boundary of a mesh, of a vector with the states of its nodes; none on grids.
     pub fn on_parts(&self) -> Vec<OnPart> {
         let found = match &self.found {

@@ -6,6 +6,9 @@ pub enum PlaneError {
     /// The domain is not as said.
     #[error("{0}")]
     Domain(String),
+    /// The equation is another.
+    #[error("the true solution is that for k = 1 without a reaction")]
+    Operator,
     /// f is not one that is served.
     #[error("{0}")]
     Source(String),
@@ -19,6 +22,7 @@ impl PlaneError {
     pub fn remedy(&self) -> Option<&'static str> {
         match self {
             Self::Domain(_) => Some("change the domain"),
+            Self::Operator => Some("leave out k and the reaction"),
             Self::Source(_) => Some("change f"),
             Self::NotFound(_) => None,
         }

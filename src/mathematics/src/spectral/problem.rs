@@ -30,6 +30,9 @@ impl PlaneProblem {
     /// [`PlaneError`] if the boundary is neither straight nor on the circles of its parts, two of these meet with
     /// different values, one has values by a formula whose kind is not served, or f is of a kind that is not served.
     pub(crate) fn on_mesh(mesh: &PlaneMesh, f: &[Source]) -> Result<Self, PlaneError> {
+        if !mesh.is_laplacian() {
+            return Err(PlaneError::Operator);
+        }
         let frame = Frame::of(mesh, f);
         let seen = frame.mesh(mesh);
         let circles: Vec<_> = seen.parts().iter().map(|part| part.curve).collect();

@@ -128,8 +128,8 @@ impl Statement {
         let (force, load) = (solved.force(), 0.0 - last.sum_load);
         let size = problem.levels().facts().size.abs();
         let accepted = self.accuracy().map_or(0.0, Accuracy::error) * size;
-        // A fixed part of the boundary bears the rest.
-        let balanced = problem.domain(problem.finest()).has_fixed_part()
+        // A fixed part of the boundary, or a reaction, bears the rest.
+        let balanced = problem.domain(problem.finest()).bears_load()
             || (force - load).abs() <= slack(problem).max(accepted);
         (!balanced).then(|| Warning::Force { has_contact: problem.has_contact(), force, load })
     }

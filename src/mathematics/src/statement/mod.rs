@@ -28,6 +28,7 @@ use crate::multigrid::Goal;
 use crate::problem::error::SourceError;
 use crate::problem::law::Law;
 use crate::problem::source::Source;
+use crate::problem::text::Written;
 use crate::saddle::Monitor;
 use crate::solvers::{
     Adaption, Grids, Memory, ReachEnd, Reached, Refusal, SaddleSettings, Settings, Solved, Solver,
@@ -46,6 +47,12 @@ pub struct Statement {
     pub boundary: Boundary,
     /// f as text; on the square as [`Source`] writes it.
     pub f: String,
+    /// Factor k of the flux `k grad v` on each region, as text; none where it is 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub k: Option<String>,
+    /// Factor c > 0 of the term c v of the equation; none without a reaction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reaction: Option<f64>,
     /// Quadrature of the load vector on grids of the square; none on meshes, which have one alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub load: Option<LoadRule>,
@@ -105,6 +112,8 @@ impl Statement {
             load: domain.is_square().then_some(Self::LOAD),
             domain,
             f: f.into(),
+            k: None,
+            reaction: None,
             boundary: Boundary::default(),
             fineness: Fineness::Usual,
             solver: Self::SOLVER,
@@ -122,10 +131,15 @@ impl Statement {
         self.boundary.law("")
     }
 
-    /// True if the problem is solved on grids in place of meshes: on the square, under one law whose value is 0.
+    /// True if the problem is solved on grids in place of meshes: on the square, under one law whose value is 0, with
+    /// k = 1 and without a reaction.
     pub fn has_grids(&self) -> bool {
         let is_one = self.boundary.names().next().is_none();
-        self.domain.is_square() && is_one && self.law().is_ok_and(|law| law.at() == 0.0)
+        let is_laplacian = self.k.is_none() && self.reaction.is_none();
+        self.domain.is_square()
+            && is_one
+            && is_laplacian
+            && self.law().is_ok_and(|law| law.at() == 0.0)
     }
 
     /// f on grids of the square; none on meshes, and if the text is no f.
@@ -169,6 +183,17 @@ impl Statement {
                 None => Ok(()),
             });
             set.map_err(|e| self.in_law(part, e))?;
+        }
+        if let Some(k) = &self.k {
+            let has_regions = self.domain.is_file() || !k.contains('=');
+            let name = &self.domain.name;
+            let none = || format!("the {name} has no regions; give a Gmsh file");
+            let set = if has_regions { mesh.set_k(k) } else { Err(none()) };
+            set.map_err(|e| StatementError::field("k", "", e))?;
+        }
+        if let Some(c) = self.reaction {
+            let set = mesh.set_reaction(c);
+            set.map_err(|e| StatementError::field("reaction", Written(c), e))?;
         }
         let others = mesh.set_others(&named, self.law()?, self.boundary.formula(""));
         others.map_err(|e| self.in_law("", e))?;

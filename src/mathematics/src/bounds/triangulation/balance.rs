@@ -6,7 +6,7 @@ use super::cells::{COST, Cells};
 use super::forest::CellForest;
 use crate::bounds::boundary::{BoundaryPart, PartLaw, shift_to_sum};
 use crate::machine::threads::{for_runs, items_per_task};
-use crate::mesh::{BoundarySide, Sides, measure};
+use crate::mesh::{BoundarySide, Sides, measure, volume};
 use crate::problem::law::{Law, LawSum};
 use crate::problem::unsolvable::Component;
 use std::cmp::Ordering;
@@ -56,27 +56,40 @@ impl Outlet {
 ///
 /// In a component without fixed boundary the outflows through the contact boundary are first scaled, or shifted if the
 /// interval of the law is bounded, so that their sum balances f and the outlet has no more than rounding errors to
-/// take.
+/// take. With a reaction they stay, and all cells take what is missing in proportion to their volumes: the outflow of a
+/// cell says what the reaction is.
 ///
 /// # Errors
-/// If a component has neither a contact nor a fixed boundary, or the law does not allow what balances the integral of f
-/// over a component without fixed boundary.
+/// Without a reaction, if a component has neither a contact nor a fixed boundary, or the law does not allow what
+/// balances the integral of f over a component without fixed boundary.
 pub(super) fn balance<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
     forest: &CellForest,
     flux: &mut [f64],
 ) -> Result<(), NoBound> {
-    let masses = cells.masses();
+    let mut masses = cells.masses();
     let mut outlets = Vec::with_capacity(forest.trees());
     let (of_trees, given) = outlets_of_trees(cells, sides, forest, flux);
     for (tree, of_tree) in of_trees.into_iter().enumerate() {
         outlets.push(match of_tree.iter().min_by(|one, two| one.compare(two)) {
-            Some(best) if best.law.is_fixed() => *best,
+            Some(best) if best.law.is_fixed() => Some(*best),
+            _ if cells.mesh.reaction > 0.0 => {
+                let of_cells: Vec<usize> =
+                    forest.cells(tree).iter().map(|&cell| cell as usize).collect();
+                let volume_of =
+                    |cell: usize| volume(cells.mesh.vertices(&cells.mesh.cells()[cell]));
+                let through: f64 = of_tree.iter().map(|outlet| flux[outlet.side as usize]).sum();
+                let integral: f64 = of_cells.iter().map(|&cell| masses[cell]).sum();
+                let whole: f64 = of_cells.iter().map(|&cell| volume_of(cell)).sum();
+                let density = (integral + given[tree] + through) / whole;
+                of_cells.iter().for_each(|&cell| masses[cell] -= density * volume_of(cell));
+                None
+            }
             _ => {
                 let integral: f64 =
                     forest.cells(tree).iter().map(|&cell| masses[cell as usize]).sum();
-                balance_outflows(of_tree, integral + given[tree], flux)?
+                Some(balance_outflows(of_tree, integral + given[tree], flux)?)
             }
         });
     }
@@ -90,6 +103,7 @@ pub(super) fn balance<const D: usize, const V: usize>(
     });
     forest.carry_to_roots(sides, flux, &mut missing);
     for (tree, outlet) in outlets.into_iter().enumerate() {
+        let Some(outlet) = outlet else { continue };
         let outflow = missing[forest.root(tree) as usize];
         forest.carry_from_root(sides, flux, outlet.cell, outflow);
         let flux = &mut flux[outlet.side as usize];

@@ -53,25 +53,34 @@ impl<const D: usize, const V: usize> Cells<'_, D, V> {
         facets.filter(move |(_, facet)| of_parts[usize::from(facet.part)]).map(|(k, _)| k)
     }
 
-    /// Integrals of f over all cells.
+    /// Integrals of f less the reaction over all cells.
     pub(super) fn masses(&self) -> Vec<f64> {
         let (nodes, mut masses) = (self.mesh.cells(), self.f.mean.clone());
         let run = items_per_task(masses.len(), COST);
         for_runs(&mut masses, run, &|number, masses| {
             for (nodes, mass) in nodes[number * run..].iter().zip(masses) {
+                if self.mesh.reaction > 0.0 {
+                    let mean = at_nodes(nodes, self.w).iter().sum::<f64>() / V as f64;
+                    *mass -= self.mesh.reaction * mean;
+                }
                 *mass *= volume(self.mesh.vertices(nodes));
             }
         });
         masses
     }
 
-    /// Integral of f times the hat function of a vertex over a cell with this volume.
+    /// Integral of f times the hat function of a vertex over a cell with this volume, less the reaction, lumped.
     #[inline(always)]
     pub(super) fn load(&self, number: u32, vertex: usize, volume: f64) -> f64 {
-        match &self.f.shares {
+        let of_f = match &self.f.shares {
             Some(shares) => shares[V * number as usize + vertex],
             None => self.f.mean[number as usize] * volume / V as f64,
+        };
+        if self.mesh.reaction == 0.0 {
+            return of_f;
         }
+        let w = self.w[self.mesh.cells()[number as usize][vertex] as usize];
+        of_f - self.mesh.reaction * w * volume / V as f64
     }
 }
 

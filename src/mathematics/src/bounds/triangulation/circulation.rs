@@ -24,7 +24,7 @@ type PatchLanes = [f64; LANES];
 struct PatchCell {
     /// Volume, with its sign.
     signed: PatchLanes,
-    /// Integrals of `grad w . grad phi` for the hat functions phi of the other nodes.
+    /// Integrals of `k grad w . grad phi` for the hat functions phi of the other nodes.
     work: [PatchLanes; 3],
     /// Sum that the outflows must have.
     wanted: PatchLanes,
@@ -38,13 +38,15 @@ pub(super) struct PatchRoom {
     /// Edges from the node to the others, along which w rises by so much.
     edges: Vec<[PatchLanes; 3]>,
     rises: Vec<PatchLanes>,
+    /// k on the cells.
+    k: Vec<PatchLanes>,
     cells: Vec<PatchCell>,
-    /// Squares of the norms of the gradients of the nodes' hat functions.
+    /// Squares of the norms of the gradients of the nodes' hat functions, times k.
     stiffness: PatchLanes,
     /// Volumes of the patches.
     volume: PatchLanes,
-    /// Products of the circulations with each other, on and behind the diagonal, row by row; behind those of each row
-    /// minus the product with the flux so far less the gradient of w.
+    /// Products, over k, of the circulations with each other, on and behind the diagonal, row by row; behind those of
+    /// each row minus the product with the flux so far less `k grad w`.
     matrix: Vec<PatchLanes>,
     /// Strengths of the circulations.
     strengths: Vec<PatchLanes>,
@@ -98,10 +100,11 @@ impl PatchRoom {
         plan.put(|member| &self.cells[member].outflows, outflows);
     }
 
-    /// Takes the edges of the patches and w on them.
+    /// Takes the edges of the patches and w on them, and k on the cells.
     fn gather<const D: usize, const V: usize>(&mut self, cells: &Cells<'_, D, V>, plan: &FanPlan) {
         self.edges.resize(plan.others, [[0.0; LANES]; 3]);
         self.rises.resize(plan.others, [0.0; LANES]);
+        self.k.resize(plan.members.len(), [1.0; LANES]);
         let points = cells.mesh.points();
         for (lane, &node) in plan.nodes.iter().enumerate() {
             let (node, others) = (node as usize, &plan.other_nodes[lane * plan.others..]);
@@ -110,6 +113,10 @@ impl PatchRoom {
                     edge[d][lane] = points[other as usize][d] - points[node][d];
                 }
                 rise[lane] = cells.w[other as usize] - cells.w[node];
+            }
+            let row = &plan.cells[lane * plan.members.len()..];
+            for (k, &(number, _)) in self.k.iter_mut().zip(row) {
+                k[lane] = cells.mesh.k(number as usize);
             }
         }
     }
@@ -122,7 +129,7 @@ impl PatchRoom {
         self.matrix.resize((plan.circulations + 1) * width, zero);
         self.cells.clear();
         let [mut stiffness, mut volume] = [zero; 2];
-        for member in &plan.members {
+        for (member, of_cell) in plan.members.iter().zip(&self.k) {
             let [i, j, k] = member.others;
             let edges = [&self.edges[i], &self.edges[j], &self.edges[k]];
             let [p, q, r] = [&self.rises[i], &self.rises[j], &self.rises[k]];
@@ -131,12 +138,12 @@ impl PatchRoom {
                 let rises = [p[lane], q[lane], r[lane]];
                 let shape = Tetrahedron::new(vectors(edges, lane), rises);
                 signed[lane] = shape.signed;
-                stiffness[lane] += shape.stiffness;
+                stiffness[lane] += of_cell[lane] * shape.stiffness;
                 volume[lane] += shape.volume();
                 let of_shape = shape.products();
                 for k in 0..3 {
-                    work[k][lane] = shape.work[k];
-                    products[k][lane] = of_shape[k];
+                    work[k][lane] = of_cell[lane] * shape.work[k];
+                    products[k][lane] = of_shape[k] / of_cell[lane];
                 }
             }
             self.cells.push(PatchCell { signed, work, wanted: zero, outflows: [zero; 3] });
@@ -229,7 +236,7 @@ impl PatchRoom {
     #[inline(always)]
     fn load(&mut self, plan: &FanPlan) {
         let width = plan.circulations + 2;
-        for (member, cell) in plan.members.iter().zip(&self.cells) {
+        for ((member, cell), of_cell) in plan.members.iter().zip(&self.cells).zip(&self.k) {
             let [i, j, k] = member.others;
             let edges = [&self.edges[i], &self.edges[j], &self.edges[k]];
             let mut loads = [[0.0; LANES]; 3];
@@ -239,7 +246,7 @@ impl PatchRoom {
                 let (edges, signed) = (vectors(edges, lane), cell.signed[lane]);
                 let shape = Tetrahedron { edges, signed, work, stiffness: 0.0 };
                 let of_shape = shape.loads([a[lane], b[lane], c[lane]]);
-                (0..3).for_each(|k| loads[k][lane] = of_shape[k]);
+                (0..3).for_each(|k| loads[k][lane] = of_shape[k] / of_cell[lane]);
             }
             for (&number, load) in member.circulations.iter().zip(&loads) {
                 add(&mut self.matrix[number * width + width - 1], |lane| -load[lane]);

@@ -18,11 +18,11 @@ use crate::problem::formula::Formula;
 /// Integrals that E adds in the cell of a facet.
 #[derive(Default)]
 pub(super) struct Excess {
-    /// `|grad E|^2`.
+    /// Square of the energy norm of E: the integral of `k |grad E|^2 + c E^2`.
     pub square: f64,
-    /// Integral of `(grad w - sigma) . grad E`.
+    /// Integral of `(k grad w - sigma) . grad E + c (w - q) E`; see `sums.rs` for q.
     pub with_distance: f64,
-    /// Integral of `grad w . grad E`.
+    /// Integral of `k grad w . grad E + c w E`.
     pub with_gradient: f64,
     /// Integral of E.
     pub integral: f64,
@@ -62,7 +62,7 @@ impl<const D: usize> FormulaFacet<'_, D> {
 
 /// Integrals of E for a facet whose value is this formula.
 pub(super) fn excess<const D: usize, const V: usize, const N: usize>(
-    &Cells { mesh, w, .. }: &Cells<'_, D, V>,
+    &Cells { mesh, w, f }: &Cells<'_, D, V>,
     sides: &Sides<V>,
     flux: &[[f64; N]],
     (facet, at, value): (&Facet<D>, &BoundarySide, &Formula),
@@ -77,7 +77,11 @@ pub(super) fn excess<const D: usize, const V: usize, const N: usize>(
     let places = on_facet.map(|node| nodes.iter().position(|own| *own == node).unwrap_or(opposite));
     let outflows = outflows(sides, at.cell, nodes, flux);
     let sigma = at_vertices(&vertices, element.volume, &outflows);
-    let slope = gradient(&element, at_nodes(nodes, w));
+    let k = mesh.k(at.cell as usize);
+    let slope = gradient(&element, at_nodes(nodes, w)).map(|slope| k * slope);
+    let (c, values) = (mesh.reaction, at_nodes(nodes, w));
+    let outflow = outflows.as_flattened().iter().sum::<f64>() / D as f64;
+    let of_q = f.mean[at.cell as usize] + outflow / element.volume;
     let d = D as f64;
     let mut found = Excess::default();
     for point in facet_points::<D>() {
@@ -93,13 +97,51 @@ pub(super) fn excess<const D: usize, const V: usize, const N: usize>(
             *apart -= (sigma[opposite][j] + d * on_facet) / (d + 1.0);
         }
         let volume = weight * element.volume;
-        found.square += volume * dot(of_e, of_e);
+        found.square += k * volume * dot(of_e, of_e);
         found.with_distance += volume * dot(apart, of_e);
         found.with_gradient += volume * dot(slope, of_e);
         found.integral += volume * e * d / (d + 1.0);
+        if c > 0.0 {
+            let on_facet: f64 = barycentric.iter().zip(places).map(|(b, k)| b * values[k]).sum();
+            let with_w = volume * e * d / (d + 2.0) * (on_facet + values[opposite] / (d + 1.0));
+            found.square += c * volume * e * e * d / (d + 2.0);
+            found.with_gradient += c * with_w;
+            found.with_distance += c * with_w - of_q * volume * e * d / (d + 1.0);
+        }
         let density = std::array::from_fn::<_, D, _>(|k| flux[at.side as usize][k.min(N - 1)]);
         let density: f64 = barycentric.iter().zip(density).map(|(b, q)| b * q).sum();
         found.of_value += weight * density * (linear + e);
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{CellData, MeshData};
+
+    #[test]
+    fn integrals_with_a_reaction_are_those_of_the_function_of_the_ray() {
+        // e = x^2 - x on the edge from (0, 0) to (1, 0); w is 3 there and 5 at the opposite vertex, and c q is 2.
+        let points = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        let data = MeshData { points, cells: vec![[0, 1, 2]], ..MeshData::default() };
+        let mut mesh = data.mesh().unwrap();
+        (mesh.k, mesh.reaction) = (vec![1e-30], 7.0);
+        let f = CellData { mean: vec![2.0], deviation: None, shares: None };
+        let cells = Cells { mesh: &mesh, w: &[3.0, 3.0, 5.0], f: &f };
+        let sides = Sides::new(&mesh);
+        let bottom = mesh.facets().iter().zip(sides.of_facets());
+        let (facet, at) = bottom.into_iter().find(|(of, _)| sorted(of.nodes) == [0, 1]).unwrap();
+        let value = Formula::read("x^2", 2).unwrap();
+        let found = excess(&cells, &sides, &[[0.0; 2]; 3], (facet, at, &value));
+        let with_w = 3.0 * (-1.0 / 18.0) + 2.0 * (-1.0 / 72.0);
+        for (found, expected) in [
+            (found.integral, -1.0 / 18.0),
+            (found.square, 7.0 / 120.0),
+            (found.with_gradient, 7.0 * with_w),
+            (found.with_distance, 7.0 * with_w + 2.0 / 18.0),
+        ] {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+    }
 }

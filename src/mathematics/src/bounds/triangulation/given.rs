@@ -16,7 +16,7 @@ use crate::mesh::{BoundarySide, Mesh, Sides, measure, size, volume};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Upper bounds of the norms of these fields, for each cell with such facets.
+/// Upper bounds of the norms of these fields, over the root of k, for each cell with such facets.
 pub(super) fn missing<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     sides: &Sides<V>,
@@ -33,7 +33,8 @@ pub(super) fn missing<const D: usize, const V: usize>(
         let vertices = mesh.vertices(&mesh.cells()[cell as usize]);
         let measure = measure(corners);
         let constant = measure / volume(vertices) * (1.0 / (PI * PI) + 2.0 / (D as f64 * PI));
-        *norms.entry(cell).or_default() += size(vertices) * (constant * measure * variance).sqrt();
+        let square = constant * measure * variance / mesh.k(cell as usize);
+        *norms.entry(cell).or_default() += size(vertices) * square.sqrt();
     }
     norms
 }

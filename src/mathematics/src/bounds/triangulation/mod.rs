@@ -15,7 +15,15 @@
 //! -1/2 |sigma|^2 + <sigma.n at> <= J(u) <= J(w),    |grad (u - w)|^2 <= 2 G,
 //! ```
 //!
-//! and J(u) <= J(0) = 0 where all `at` are 0. w is the linear function of the nodal vector, with `at` in place of
+//! and J(u) <= J(0) = 0 where all `at` are 0. With a factor k, constant on regions, and a reaction c, where `-div (k
+//! grad u) + c u = f`, sigma may have any divergence: with `c q = f + div sigma` the squares are
+//!
+//! ```text
+//! |sigma|^2 = int sigma^2 / k + c q^2,    |grad w - sigma|^2 = int |k grad w - sigma|^2 / k + c (w - q)^2,
+//! ```
+//!
+//! and that of the error is the one of its energy norm, `int k |grad (u - w)|^2 + c (u - w)^2`. Below, k is 1 and c is
+//! 0 unless it is said otherwise. w is the linear function of the nodal vector, with `at` in place of
 //! values on the boundary that the law forbids. Nothing else is assumed of the vector.
 //!
 //! # The flux
@@ -84,7 +92,7 @@ use super::boundary::Slips;
 use super::{Bounds, LEAST_MASS, NoBound, below_zero, root};
 use crate::discrete::network::Network;
 use crate::machine::threads::{items_per_task, join, map_with_room};
-use crate::mesh::{Element, Mesh, MeshLoad, Sides, dot, is_stretched, size, volume};
+use crate::mesh::{Element, Mesh, MeshLoad, Sides, assemble_inverse, is_stretched, size, volume};
 use crate::problem::law::ContactNode;
 use around::FirstCells;
 use balance::balance;
@@ -100,7 +108,7 @@ use ring::Ring;
 use std::borrow::Cow;
 use std::sync::OnceLock;
 use stream::circulate;
-use sums::{Summands, Totals};
+use sums::{Summands, Totals, energy_square};
 use triangles::{Triangle, triangles};
 use vary::vary;
 
@@ -194,11 +202,10 @@ impl<const D: usize, const V: usize> BoundedProblem<'_, D, V> {
         let w = admissible(self.network, Slips::ALL, y);
         let mut moved = 0.0;
         if w != y {
-            for cell in self.mesh.cells() {
+            for (number, cell) in self.mesh.cells().iter().enumerate() {
                 let element = Element::new(self.mesh.vertices(cell));
-                let gradient =
-                    element.gradient(cell.map(|node| y[node as usize] - w[node as usize]));
-                moved += element.volume * dot(gradient, gradient);
+                let from = cell.map(|node| y[node as usize] - w[node as usize]);
+                moved += energy_square(self.mesh, number, &element, from);
             }
         }
         // Where values of laws are formulas w is not in K, and where fluxes are, their bubbles are not known.
@@ -328,7 +335,11 @@ fn balanced<const D: usize, const V: usize>(
     let (mut flux, forest) = join(
         || {
             let mut flux = of_patches(cells, sides, &triangles);
-            circulate(cells, sides, &triangles, network, &mut flux);
+            let products = match cells.mesh.is_laplacian() {
+                true => Cow::Borrowed(network),
+                false => Cow::Owned(assemble_inverse(cells.mesh, sides)),
+            };
+            circulate(cells, sides, &triangles, &products, &mut flux);
             flux
         },
         || forest.get_or_init(|| CellForest::new(sides, cells.mesh.cells().len())),

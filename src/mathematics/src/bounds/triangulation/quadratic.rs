@@ -73,7 +73,7 @@ pub(super) fn circulate_quadratic<const D: usize, const V: usize>(
     }
 }
 
-/// Square of the norm of a flux, less twice the integral of the values of laws times it over the boundary.
+/// Square of the norm of a flux, over k, less twice the integral of the values of laws times it over the boundary.
 fn square<const D: usize, const V: usize>(
     cells: &Cells<'_, D, V>,
     sides: &Sides<V>,
@@ -84,7 +84,7 @@ fn square<const D: usize, const V: usize>(
         let vertices = cells.mesh.vertices(nodes);
         let volume = volume(vertices);
         let field = at_vertices(&vertices, volume, &outflows(sides, cell, nodes, flux));
-        square += product(volume, &field, &field);
+        square += product(volume, &field, &field) / cells.mesh.k(cell as usize);
     }
     for facet in cells.facets_with_values() {
         let at = &sides.of_facets()[facet];
@@ -141,7 +141,7 @@ impl<'a, const D: usize, const V: usize> QuadraticStream<'a, D, V> {
         self.cells.w.len() as u32 + self.sides.numbers(cell)[opposite]
     }
 
-    /// Minus the products of a flux with the fields of all values.
+    /// Minus the products, over k, of a flux with the fields of all values.
     fn load(&self, flux: &[SideFlux<D>]) -> Vec<f64> {
         let mut load = vec![0.0; self.count];
         for cell in 0..self.cells.mesh.cells().len() as u32 {
@@ -149,7 +149,9 @@ impl<'a, const D: usize, const V: usize> QuadraticStream<'a, D, V> {
             let vertices = self.cells.mesh.vertices(&nodes);
             let element = Element::new(vertices);
             let outflows = outflows(self.sides, cell, &nodes, flux);
-            let sigma = at_vertices(&vertices, element.volume, &outflows);
+            let mut sigma = at_vertices(&vertices, element.volume, &outflows);
+            let k = self.cells.mesh.k(cell as usize);
+            sigma.as_flattened_mut().iter_mut().for_each(|x| *x /= k);
             let turned = element.gradients.map(turned);
             for k in 0..V {
                 let mut of_node = [turned[k].map(|x| -x); V];
@@ -177,8 +179,8 @@ impl<'a, const D: usize, const V: usize> QuadraticStream<'a, D, V> {
         load
     }
 
-    /// Products of the fields of all unknowns, one of which is kept at zero in each part of the domain: a constant has
-    /// no field.
+    /// Products, over k, of the fields of all unknowns, one of which is kept at zero in each part of the domain: a
+    /// constant has no field.
     fn network(&self, forest: &CellForest) -> Network {
         let mut of_sides = vec![([0; 2], 0.0); self.sides.len()];
         let mut couplings =
@@ -188,7 +190,7 @@ impl<'a, const D: usize, const V: usize> QuadraticStream<'a, D, V> {
             let element = Element::new(self.cells.mesh.vertices(&nodes));
             for k in 0..V {
                 let [i, j] = [(k + 1) % V, (k + 2) % V];
-                let stiffness = element.stiffness(i, j);
+                let stiffness = element.stiffness(i, j) / self.cells.mesh.k(cell as usize);
                 let of_side = &mut of_sides[self.sides.numbers(cell)[k] as usize];
                 *of_side = ([nodes[i], nodes[j]], of_side.1 + stiffness);
                 let ends = [i, j].map(|opposite| self.midpoint(cell, opposite));

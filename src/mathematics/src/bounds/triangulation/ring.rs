@@ -18,8 +18,8 @@ struct RingCell {
     wanted: f64,
     /// Area.
     area: f64,
-    /// Three times the products of the field that turns once around the node with those of an outflow of 1 through zb,
-    /// an inflow of 1 through za, and the node's share of `grad w` with the other sign.
+    /// Three times the products, over k, of the field that turns once around the node with those of an outflow of 1
+    /// through zb, an inflow of 1 through za, and the node's share of `k grad w` with the other sign.
     products: [f64; 3],
     /// Outflow through zb, but for the circulation around the node.
     outflow: f64,
@@ -36,8 +36,9 @@ pub(super) struct Ring<'a, const D: usize, const V: usize> {
     ends: Option<[u32; 2]>,
     /// Outflow through the facet before the first cell.
     before: f64,
-    /// Square of the norm of the gradient of the node's hat function, which is also that of the field that turns once
-    /// around the node.
+    /// Square of the norm of the field that turns once around the node, over k.
+    turning: f64,
+    /// Square of the norm of the gradient of the node's hat function, times k.
     stiffness: f64,
     /// Sum of the outflows that are wanted, and of the areas.
     reaction: f64,
@@ -64,6 +65,7 @@ impl<'a, const D: usize, const V: usize> Ring<'a, D, V> {
             members: Vec::new(),
             ends: None,
             before: 0.0,
+            turning: 0.0,
             stiffness: 0.0,
             reaction: 0.0,
             area: 0.0,
@@ -107,7 +109,7 @@ impl<'a, const D: usize, const V: usize> Ring<'a, D, V> {
     /// Takes the cells from this one on, in the positive sense; returns the facet at the end, if there is one.
     fn follow(&mut self, first: u32) -> Option<u32> {
         self.members.clear();
-        [self.stiffness, self.reaction, self.area] = [0.0; 3];
+        [self.turning, self.stiffness, self.reaction, self.area] = [0.0; 4];
         let w = self.cells.w;
         let of_z = w[self.node as usize];
         let mut cell = first;
@@ -120,11 +122,16 @@ impl<'a, const D: usize, const V: usize> Ring<'a, D, V> {
             let (of_a, of_b) = (w[nodes[a] as usize], w[nodes[b] as usize]);
             let Triangle { couplings, area } = self.triangles[cell as usize];
             let (ab, zb, za) = (couplings[vertex], couplings[a], couplings[b]);
-            let (to_a, to_b, across) = (za * (of_a - of_z), zb * (of_b - of_z), ab * (of_b - of_a));
+            let k = self.cells.mesh.k(cell as usize);
+            // The couplings are over k, and these are flows of `k grad w`.
+            let factor = k * k;
+            let [to_a, to_b] = [za * (of_a - of_z), zb * (of_b - of_z)].map(|flow| factor * flow);
+            let across = factor * (ab * (of_b - of_a));
             // See `Triangle::turn`.
             let (ahead, behind) = (zb + zb + za, zb + za + za);
             let wanted = -(to_a + to_b) - self.cells.load(cell, vertex, area);
-            self.stiffness += za + zb;
+            self.turning += za + zb;
+            self.stiffness += factor * (za + zb);
             self.reaction += wanted;
             self.area += area;
             self.found.push(cell);
@@ -144,7 +151,7 @@ impl<'a, const D: usize, const V: usize> Ring<'a, D, V> {
         }
     }
 
-    /// Gives each cell the outflow wanted from it, so that the outflows are as near to the shares of `grad w` as can
+    /// Gives each cell the outflow wanted from it, so that the outflows are as near to the shares of `k grad w` as can
     /// be.
     ///
     /// The reaction at the node leaves, as far as the law allows, through the boundary; the rest is taken away from all
@@ -165,8 +172,8 @@ impl<'a, const D: usize, const V: usize> Ring<'a, D, V> {
         match self.members.last_mut() {
             Some(last) if self.ends.is_some() => last.outflow = behind,
             _ => {
-                // The circulation by which the distance from the shares of `grad w` becomes least.
-                let strength = -product / (3.0 * self.stiffness);
+                // The circulation by which the distance from the shares of `k grad w` becomes least.
+                let strength = -product / (3.0 * self.turning);
                 // A ring of flat cells keeps its outflows.
                 self.strength = if strength.is_finite() { strength } else { 0.0 };
             }

@@ -1,10 +1,10 @@
 //! Circulations around all nodes of a mesh in the plane together, by which the flux of all patches gets a smaller norm.
 //!
 //! For a linear function psi, the field `(d psi/dy, -d psi/dx)` has no divergence. The outflow of a cell through a side
-//! is the difference of psi between the ends of the side, and the product of two such fields is that of the gradients:
-//! psi with the least norm of sigma solves a problem with the stiffness matrix. By the identity the bounds depend on
-//! the norm of sigma alone, whatever w is, and on the integral of the values of laws times sigma.n: the psi that is
-//! looked for has the least `1/2 |sigma|^2 - <sigma.n at>`.
+//! is the difference of psi between the ends of the side, and the product of two such fields, over k, is that of the
+//! gradients: psi with the least norm of sigma solves a problem with the stiffness matrix of 1/k. By the identity the
+//! bounds depend on the norm of sigma alone, whatever w is, and on the integral of the values of laws times sigma.n:
+//! the psi that is looked for has the least `1/2 |sigma|^2 - <sigma.n at>`.
 
 use super::cells::Cells;
 use super::triangles::Triangle;
@@ -56,7 +56,7 @@ pub(super) fn circulate<const D: usize, const V: usize>(
         return;
     }
     let mut stream = Stream::new(cells, sides, flux);
-    // Minus the products of the flux with the fields of the hat functions.
+    // Minus the products, over k, of the flux with the fields of the hat functions.
     let mut load = vec![0.0; cells.w.len()];
     for ((number, nodes), triangle) in (0..).zip(cells.mesh.cells()).zip(triangles) {
         let outflows = sides.outflows(number, flux);

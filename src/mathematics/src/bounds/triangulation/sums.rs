@@ -25,17 +25,19 @@ const ROUNDINGS: f64 = 256.0;
 /// Sums over cells.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Totals {
-    /// `|grad w - sigma|^2`, with the deviation of f.
+    /// Integral of `|k grad w - sigma|^2 / k`, with the deviation of f, and of `c (w - q)^2`.
+    ///
+    /// On each cell `c q` is the mean of f less the reaction, which the flux says.
     pub distance: f64,
-    /// `|sigma|^2`, with the deviation of f.
+    /// Integral of `|sigma|^2 / k`, with the deviation of f, and of `c q^2`.
     pub flux: f64,
-    /// `|grad w|^2`.
+    /// Square of the energy norm of w: the integral of `k |grad w|^2 + c w^2`.
     pub gradient: f64,
     /// Integral of the means of f times w.
     pub load: f64,
     /// Upper bound of the integral of f less its means, times w.
     pub deviation: f64,
-    /// `|grad (y - w)|^2`, y the vector that was given.
+    /// Square of the energy norm of y - w, y the vector that was given.
     pub projection: f64,
     /// Integral of `j(w) + (w - at) sigma.n` over the boundary without free parts; for the paper's law the work of the
     /// reactions.
@@ -48,7 +50,7 @@ pub(super) struct Totals {
     pub of_values: f64,
     /// Integral of the flux of free parts times w over them.
     pub given: f64,
-    /// `|grad E|^2`, by which w is changed where values of laws are formulas; see `excess.rs`.
+    /// Square of the energy norm of E, by which w is changed where values of laws are formulas; see `excess.rs`.
     pub excess: f64,
     /// Integral of |f|, its means.
     pub mass: f64,
@@ -172,7 +174,7 @@ impl<const D: usize, const V: usize, const N: usize> Summands<'_, D, V, N> {
             let cell = at.cell as usize;
             let vertices = self.mesh.vertices(&self.mesh.cells()[cell]);
             let deviation = self.f.cells.deviation.as_ref().map_or(0.0, |all| all[cell]);
-            let field = if deviation == 0.0 { 0.0 } else { deviation * size(vertices) / PI };
+            let field = poincare(deviation, vertices, self.mesh.k(cell));
             let is_exact = field == 0.0 && !missing.contains_key(&at.cell);
             // Two facets of a cell: the product of their functions is at most that of the norms.
             let norm = found.square.sqrt();
@@ -236,45 +238,60 @@ impl<const D: usize, const V: usize, const N: usize> Summands<'_, D, V, N> {
         let slope = gradient(&element, w);
         let outflows = outflows(self.sides, cell as u32, nodes, self.flux);
         let sigma = at_vertices(&vertices, volume, &outflows);
+        let k = self.mesh.k(cell);
+        let inverse = 1.0 / k;
         let mut difference = sigma;
         for value in &mut difference {
-            (0..D).for_each(|d| value[d] -= slope[d]);
+            (0..D).for_each(|d| value[d] -= k * slope[d]);
         }
         let mean = self.f.cells.mean[cell];
         let deviation = self.f.cells.deviation.as_ref().map_or(0.0, |all| all[cell]);
-        // Poincaré's constant on a convex cell is the diameter over pi.
-        let field = if deviation == 0.0 { 0.0 } else { deviation * size(vertices) / PI };
+        let field = poincare(deviation, vertices, k);
         let longer = field + missing.copied().unwrap_or_default();
-        let gradient_square = volume * dot(slope, slope);
+        let gradient_square = k * volume * dot(slope, slope);
         let highest = w.iter().fold(0.0f64, |highest, value| highest.max(value.abs()));
         // The square of a sum is at most the sum of the squares times their number.
         let slopes =
             element.gradients.iter().zip(w).map(|(g, v)| dot(*g, *g) * (v - w[0]) * (v - w[0]));
         let steepest = V as f64 * slopes.sum::<f64>();
+        let flow = outflows.as_flattened().iter().map(|q| q.abs()).sum::<f64>() / D as f64;
+        let [of_distance, of_flux, of_w, of_rounding] = match self.mesh.reaction {
+            0.0 => [0.0; 4],
+            c => {
+                let outflow = outflows.as_flattened().iter().sum::<f64>() / D as f64;
+                let q = (mean + outflow / volume) / c;
+                let from = w.map(|w| w - q);
+                let squares = [mean_product(from, from), q * q, mean_product(w, w)];
+                let [of_distance, of_flux, of_w] = squares.map(|mean| c * volume * mean);
+                let of_q = q.abs() * (mean.abs() * volume + flow);
+                [of_distance, of_flux, of_w, 2.0 * (of_w + of_flux) + of_q]
+            }
+        };
         Totals {
-            distance: longer_square(product(volume, &difference, &difference), longer),
-            flux: longer_square(product(volume, &sigma, &sigma), longer),
-            gradient: gradient_square,
+            distance: longer_square(inverse * product(volume, &difference, &difference), longer)
+                + of_distance,
+            flux: longer_square(inverse * product(volume, &sigma, &sigma), longer) + of_flux,
+            gradient: gradient_square + of_w,
             load: mean * volume * (w.iter().sum::<f64>() / V as f64),
             deviation: if field == 0.0 { 0.0 } else { field * gradient_square.sqrt() },
-            projection: self.projection(nodes, &element, w),
+            projection: self.projection(cell, &element, w),
             mass: mean.abs() * volume,
-            magnitude: volume * (steepest + mean.abs() * highest)
+            magnitude: volume * (k * steepest + mean.abs() * highest)
                 + deviation * volume.sqrt() * highest
-                + longer_square(largest_square(&vertices, volume, &outflows), longer),
-            flow: outflows.as_flattened().iter().map(|q| q.abs()).sum::<f64>() / D as f64,
+                + longer_square(inverse * largest_square(&vertices, volume, &outflows), longer)
+                + of_rounding,
+            flow,
             ..Totals::default()
         }
     }
 
-    /// `|grad (y - w)|^2` in a cell.
-    fn projection(&self, nodes: &[u32; V], element: &Element<D, V>, w: [f64; V]) -> f64 {
-        let y = at_nodes(nodes, self.y);
+    /// Square of the energy norm of y - w in a cell.
+    fn projection(&self, cell: usize, element: &Element<D, V>, w: [f64; V]) -> f64 {
+        let y = at_nodes(&self.mesh.cells()[cell], self.y);
         if y == w {
             return 0.0;
         }
-        let moved = element.gradient(difference(y, w));
-        element.volume * dot(moved, moved)
+        energy_square(self.mesh, cell, element, difference(y, w))
     }
 
     /// Integrals over the facets with a law, each with its cell, but over those where v or its flux is 0.
@@ -346,6 +363,31 @@ fn halved_product(a: &[f64], b: &[f64]) -> f64 {
     }
     let ((a, more_a), (b, more_b)) = (a.split_at(a.len() / 2), b.split_at(a.len() / 2));
     halved_product(a, b) + halved_product(more_a, more_b)
+}
+
+/// Square of the energy norm, on a cell, of the linear function with these values at the vertices.
+pub(super) fn energy_square<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    cell: usize,
+    element: &Element<D, V>,
+    values: [f64; V],
+) -> f64 {
+    let slope = element.gradient(values);
+    let square = mesh.k(cell) * element.volume * dot(slope, slope);
+    match mesh.reaction {
+        0.0 => square,
+        c => square + c * element.volume * mean_product(values, values),
+    }
+}
+
+/// Norm, over the root of k, of a field on a cell whose divergence is the difference of f from its mean there, with
+/// this `deviation`: Poincaré's constant on a convex cell is the diameter over pi.
+fn poincare<const D: usize, const V: usize>(
+    deviation: f64,
+    vertices: [[f64; D]; V],
+    k: f64,
+) -> f64 {
+    if deviation == 0.0 { 0.0 } else { deviation * size(vertices) / (PI * k.sqrt()) }
 }
 
 /// Square of the sum of a length, given by its square, and another.

@@ -8,24 +8,25 @@ use crate::mesh::{Mesh, difference, dot};
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Triangle {
     /// Minus the product of the gradients of the hat functions at both ends of each side, opposite to the first vertex
-    /// and so on: half the cotangent of the angle there.
+    /// and so on, over k: half the cotangent of the angle there. The products of fields are made of them.
     pub couplings: [f64; 3],
     /// Area.
     pub area: f64,
 }
 
 impl Triangle {
-    fn new<const D: usize>(vertices: [[f64; D]; 3]) -> Self {
+    fn new<const D: usize>(vertices: [[f64; D]; 3], k: f64) -> Self {
         let [x, y, z] = vertices;
         let edges = [difference(z, y), difference(x, z), difference(y, x)];
         let double = (edges[0][0] * edges[1][1] - edges[0][1] * edges[1][0]).abs();
         let [a, b, c] = edges;
-        let couplings = [dot(b, c), dot(c, a), dot(a, b)].map(|product| -0.5 * product / double);
+        let couplings =
+            [dot(b, c), dot(c, a), dot(a, b)].map(|product| -0.5 * product / (double * k));
         Self { couplings, area: 0.5 * double }
     }
 
-    /// Product of the field of lowest order that has these outflows through the sides and the one that turns once
-    /// around a vertex.
+    /// Product, over k, of the field of lowest order that has these outflows through the sides and the one that turns
+    /// once around a vertex.
     #[inline(always)]
     pub(super) fn turn(&self, vertex: usize, outflows: [f64; 3]) -> f64 {
         let [next, last] = [(vertex + 1) % 3, (vertex + 2) % 3];
@@ -44,8 +45,9 @@ pub(super) fn triangles<const D: usize, const V: usize>(mesh: &Mesh<D, V>) -> Ve
     let mut triangles = vec![Triangle::default(); cells.len()];
     let each = items_per_task(cells.len(), COST);
     for_runs(&mut triangles, each, &|run, triangles| {
-        for (cell, triangle) in cells[run * each..].iter().zip(triangles) {
-            *triangle = Triangle::new([0, 1, 2].map(|k| mesh.points()[cell[k] as usize]));
+        for (number, triangle) in (run * each..).zip(triangles) {
+            let vertices = [0, 1, 2].map(|k| mesh.points()[cells[number][k] as usize]);
+            *triangle = Triangle::new(vertices, mesh.k(number));
         }
     });
     triangles
@@ -60,7 +62,7 @@ mod tests {
     #[test]
     fn products_are_those_of_the_fields() {
         let vertices = [[0.1, 0.2], [1.3, -0.1], [0.4, 0.9]];
-        let (triangle, element) = (Triangle::new(vertices), Element::new(vertices));
+        let (triangle, element) = (Triangle::new(vertices, 1.0), Element::new(vertices));
         assert!((triangle.area - element.volume).abs() < 1e-15);
         let outflows = [0.3, -1.7, 0.8];
         let field = at_vertices(&vertices, element.volume, &outflows.map(|outflow| [outflow; 3]));

@@ -16,7 +16,7 @@ struct Bubbles<'a, const V: usize> {
     triangles: &'a [Triangle],
     /// Factor of the bubble of each side.
     psi: Vec<f64>,
-    /// Minus the products of the flux with the fields of the bubbles.
+    /// Minus the products, over k, of the flux with the fields of the bubbles.
     load: Vec<f64>,
     /// Greatest factor of the bubble of each facet that the law allows.
     limits: Vec<f64>,

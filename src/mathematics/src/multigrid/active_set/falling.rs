@@ -16,7 +16,7 @@
 //! no states are those of two such vectors, and there are finitely many states. States that return show rounding
 //! errors.
 //!
-//! In a component without fixed nodes one node has to stick: the sweep ends with the constant of least energy.
+//! In a component that bears no load one node has to stick: the sweep ends with the constant of least energy.
 
 use super::StateSystem;
 use super::states::StateProblem;
@@ -32,7 +32,7 @@ const MOST_STEPS: [f64; 2] = [30.0, 4000.0];
 /// Sweeps over all values: at the end of a strip of contact each lets a node or more slip.
 const SWEEPS: usize = 4;
 
-/// Goes from a vector within the law, which has a value of zero in each component without fixed nodes, to the solution.
+/// Goes from a vector within the law, which has a value of zero in each component that bears no load, to the solution.
 pub(super) fn fall(system: &mut StateSystem<'_>, y: &mut Vec<f64>) -> Stop {
     let problem = system.problem;
     let mut states = problem.states_by_sign(y);
@@ -138,9 +138,9 @@ impl StateProblem<'_> {
             });
         }
         let needed = self.needed();
-        let has_fixed = self.has_fixed();
+        let is_held = self.network.held_components(self.components);
         let mut next = self.all_stick();
-        for component in (0..needed.len()).filter(|component| !has_fixed[*component]) {
+        for component in (0..needed.len()).filter(|component| !is_held[*component]) {
             let constant = self.shift(component, needed[component], y, &mut next);
             for (value, of) in y.iter_mut().zip(self.components) {
                 if *of as usize == component {
@@ -150,7 +150,7 @@ impl StateProblem<'_> {
         }
         // Nodes of components that have not been shifted keep their values.
         next.iter_mut().zip(self.components).for_each(|(state, component)| {
-            if has_fixed[*component as usize] {
+            if is_held[*component as usize] {
                 *state = BoundaryState::SlipsUp;
             }
         });

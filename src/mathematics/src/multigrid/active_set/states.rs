@@ -101,8 +101,8 @@ impl StateProblem<'_> {
     /// others slip.
     pub(crate) fn next_states(&self, states: &[BoundaryState], y: &[f64]) -> Vec<BoundaryState> {
         let mut next = vec![BoundaryState::SlipsUp; states.len()];
-        let has_fixed = self.has_fixed();
-        let mut balances = vec![Balance::default(); has_fixed.len()];
+        let is_held = self.network.held_components(self.components);
+        let mut balances = vec![Balance::default(); is_held.len()];
         for contact in self.network.held() {
             next[contact.node] = BoundaryState::Sticks;
         }
@@ -119,20 +119,11 @@ impl StateProblem<'_> {
             balances[self.components[node] as usize].see(next[node], ends);
         }
         for (component, (balance, needed)) in balances.iter().zip(self.needed()).enumerate() {
-            if !has_fixed[component] && !balance.holds(needed) {
+            if !is_held[component] && !balance.holds(needed) {
                 self.shift(component, needed, y, &mut next);
             }
         }
         next
-    }
-
-    /// True for each component that has a fixed node.
-    pub(super) fn has_fixed(&self) -> Vec<bool> {
-        let mut has_fixed = vec![false; count_components(self.components)];
-        for contact in self.network.held() {
-            has_fixed[self.components[contact.node] as usize] = true;
-        }
-        has_fixed
     }
 
     /// Flux through the boundary of each component that balances its load.

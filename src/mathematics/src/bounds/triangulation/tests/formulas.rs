@@ -1,6 +1,7 @@
 //! Values of laws by formulas: bounds beside integrals of the function that they are about, by its definition.
 
 use super::*;
+use crate::mesh::dot;
 use crate::mesh::{AnyMesh, PlaneMesh, mesh_load, square_with_sides};
 use crate::problem::formula::Formula;
 use crate::problem::source::Source;
