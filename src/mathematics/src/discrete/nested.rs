@@ -32,6 +32,19 @@ impl<'a> DiscreteLevels<'a> {
     }
 }
 
+/// Returns the number of the connected component of each node of the finest network, as [`Network::components`] numbers
+/// them: further nodes belong to those of their parents.
+pub(crate) fn nested_components(networks: &[NestedNetwork]) -> Vec<u32> {
+    let mut components = networks[0].network.components();
+    for NestedNetwork { parents, .. } in &networks[1..] {
+        components.reserve(parents.len());
+        for &[parent, _] in parents {
+            components.push(components[parent as usize]);
+        }
+    }
+    components
+}
+
 /// Discrete problem of one mesh among its refinements.
 #[derive(Clone, Debug)]
 pub struct NestedNetwork {

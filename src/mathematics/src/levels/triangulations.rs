@@ -4,7 +4,7 @@ use super::{Drawing, Facts, Levels, ProblemError, Step, Watch};
 use crate::bounds::triangulation::BoundedProblem;
 use crate::bounds::{Bounds, NoBound};
 use crate::discrete::domain::components;
-use crate::discrete::nested::{DiscreteLevels, NestedNetwork};
+use crate::discrete::nested::{DiscreteLevels, NestedNetwork, nested_components};
 use crate::discrete::network::Network;
 use crate::mesh::{
     AnyMesh, ClosedCurve, CurveGain, CutShape, Mesh, MeshLoad, NestedMeshes, Sides,
@@ -198,8 +198,8 @@ where
     }
 
     fn components(&self) -> Vec<Component> {
-        let network = self.network();
-        let mut components = components(network, &network.components(), &self.load.load);
+        let mut components =
+            components(self.network(), &nested_components(&self.networks), &self.load.load);
         let has_fluxes = self.facts.given != 0.0;
         components.iter_mut().for_each(|of| of.has_fluxes = has_fluxes);
         components
@@ -207,7 +207,7 @@ where
 
     fn components_on_curves(&self) -> Vec<Component> {
         let mut components = self.components();
-        let of_nodes = self.network().components();
+        let of_nodes = nested_components(&self.networks);
         let gains = curve_gains(self.finest(), &self.sides, &self.f[..]);
         for CurveGain { facet, measure, integral } in gains {
             let facet = &self.finest().facets()[facet];

@@ -6,7 +6,7 @@ use crate::bounds::Bounds;
 use crate::bounds::boundary::mean_product;
 use crate::discrete::kkt::judge;
 use crate::discrete::network::Network;
-use crate::discrete::norms::worst;
+use crate::discrete::norms::{largest, worst};
 use crate::levels::{Problem, ProblemError};
 use crate::mesh::{AnyMesh, Element, Facet, MeshData, MeshError, Part, PlaneMesh, centroid, dot};
 use crate::multigrid::active_set::active_set;
@@ -345,9 +345,10 @@ fn by_saddle_point(network: &Network, load: &[f64]) -> Vec<f64> {
     let mut pair = Pair { y: vec![0.0; load.len()], a: vec![0.0; network.contact().len()] };
     let params = Params {
         r: 10.0,
-        tolerance: 1e-13,
+        // Rounding errors of a residual grow with the diagonal, which is 4 where k is 1.
+        tolerance: 0.25e-13 * largest(network.diagonal()),
         rule: StopRule::PrintedDual,
-        max_iterations: 200_000,
+        max_iterations: 2_000_000,
         ..Params::default()
     };
     let outcome = saddle::solve(network, load, &params, &mut pair);
@@ -736,7 +737,7 @@ fn true_solutions_lie_in_the_bounds_of_meshes() {
         assert!(low <= most && least <= high, "{laws:?} {f}: {low} {high} {of_mesh:?}");
         assert!(high - low < 1e-9, "{laws:?} {f}: {low} {high}");
         let [by_mesh, own] = [&of_mesh, &truth.bounds().unwrap()].map(Bounds::relative);
-        assert!(own < 1e-4 && own < by_mesh, "{laws:?} {f}: {own} {by_mesh}");
+        assert!(100.0 * own < by_mesh, "{laws:?} {f}: {own} {by_mesh}");
     }
     // Contact may end arbitrarily close to corners.
     assert!(found > 27, "{found}");
@@ -849,9 +850,10 @@ fn four_times_the_coefficients_the_fluxes_and_f_make_four_times_the_energies() {
     let of_law = |law: Law, factor: f64| match law {
         _ if law.is_free() => Law::free(factor * law.lo()).unwrap(),
         _ if law.is_fixed() => law,
-        _ => Law::new(factor * law.lo(), factor * law.hi())
-            .and_then(|scaled| scaled.with_at(law.at()))
-            .unwrap(),
+        _ => {
+            let scaled = Law::new(factor * law.lo(), factor * law.hi()).unwrap();
+            if law.at().is_nan() { scaled.by_formula() } else { scaled.with_at(law.at()).unwrap() }
+        }
     };
     for Scaled { mesh, f, times } in [
         Scaled { mesh: membrane, f: "formula(FACTOR*(x-y^2-1))", times: 2 },
