@@ -17,28 +17,29 @@ pub(crate) struct Limit {
 pub(crate) static LIMITS: [Limit; 8] = [
     Limit {
         words: &["obstacle", "lower"],
-        wanted: "an obstacle that is no constant on a part",
-        instead: "`gap` gives each part a number, as bottom=0.1 for v >= 0.1",
+        wanted: "an obstacle that is given at points",
+        instead: "`gap` gives each part a number or a formula, as bottom=0.1*x for v >= 0.1 x",
     },
     Limit {
         words: &["upper"],
-        wanted: "an upper obstacle that is no constant on a part, or on a part with a lower one",
-        instead: "`below` gives a part a number, as bottom=0.1 for v <= 0.1",
+        wanted: "an upper obstacle on a part with a lower one",
+        instead: "a part has one of the two, `gap` or `below`, a number or a formula, as bottom=0.1*x for v <= 0.1 x",
     },
     Limit {
         words: &["dirichlet", "value", "displacement", "bc"],
-        wanted: "a value that is no constant on a fixed part",
-        instead: "`fixed` gives each part a number, as bottom=0.1 for v = 0.1",
+        wanted: "a value on a fixed part that is given at points",
+        instead: "`fixed` gives each part a number or a formula, as top=0.1*x for v = 0.1 x",
     },
     Limit {
         words: &["neumann", "traction"],
-        wanted: "a flux that is no constant on a part",
-        instead: "`free` and `flux` give each part a number, as bottom=0.1 for dv/dn = 0.1",
+        wanted: "a flux by a formula on a part that is not free",
+        instead: "`free` gives a part a number or a formula, as left=sin(pi*y) for dv/dn = sin(pi y), and `flux` the law \
+            of other parts a number",
     },
     Limit {
-        words: &["robin", "reaction"],
+        words: &["robin"],
         wanted: "a flux or an f that depends on v otherwise than by a law",
-        instead: "the laws are obstacles, friction and a limit",
+        instead: "the laws are obstacles, friction and a limit; `reaction` adds c v to the equation",
     },
     Limit {
         words: &[
@@ -48,11 +49,9 @@ pub(crate) static LIMITS: [Limit; 8] = [
             "diffusion",
             "permeability",
             "stiffness",
-            "k",
         ],
-        wanted: "a coefficient k before the gradient",
-        instead: "a constant one divides f and the bound of friction or of a limit; the energy is then k times that of \
-            the answer",
+        wanted: "a coefficient that varies within a region or with the direction",
+        instead: "`k` is a positive number on each region of a Gmsh file, as region(core)=5; else=1",
     },
     Limit {
         words: &["elasticity", "young", "poisson"],
@@ -62,8 +61,9 @@ pub(crate) static LIMITS: [Limit; 8] = [
     Limit {
         words: &[],
         wanted: "the true solution for every f on every domain",
-        instead: "the spectral solver takes straight sides and arcs in the plane, and f of pieces or a polynomial; on \
-            curved boundaries the bounds of elements hold for the polygon",
+        instead: "the spectral solver takes straight sides and arcs in the plane, and f of pieces, a polynomial, or a sum of \
+            sines, cosines and exponentials of linear functions; on curved boundaries the bounds of elements hold for \
+            the polygon",
     },
 ];
 

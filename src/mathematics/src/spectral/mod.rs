@@ -43,6 +43,7 @@ mod geometry;
 mod problem;
 mod proof;
 mod setup;
+mod smooth;
 mod solution;
 mod source;
 mod truth;

@@ -9,8 +9,8 @@ use crate::spectral::error::PlaneError;
 use crate::spectral::geometry::domain::PlaneDomain;
 use crate::spectral::geometry::frame::Frame;
 use crate::spectral::geometry::outline::outline;
-use crate::spectral::source::expansion::Expansion;
-use crate::spectral::source::smooth::{Smooth, SmoothSource};
+use crate::spectral::source::expansion::{Expansion, in_frame};
+use crate::spectral::source::smooth::SmoothSource;
 use crate::spectral::source::{PlaneSource, Regions, regions};
 use std::collections::BTreeSet;
 
@@ -70,7 +70,7 @@ pub(crate) fn set_value(
     formula: &Formula,
 ) -> Result<(), PlaneError> {
     let unit = domain.frame.of_value();
-    let (value, error) = Smooth::of_formula(formula, domain, unit).map_err(|what| {
+    let (value, error) = in_frame(formula, domain, unit).map_err(|what| {
         PlaneError::Domain(format!("the value of v on {} {what}", domain.parts[part]))
     })?;
     let radius = Expansion::on(domain).radius;

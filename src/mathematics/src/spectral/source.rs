@@ -17,7 +17,6 @@ pub(super) mod jumps;
 pub(super) mod potential;
 pub(super) mod psi;
 pub(super) mod quadratic;
-pub(super) mod real_polynomial;
 pub(super) mod smooth;
 
 use crate::mesh::PlaneMesh;

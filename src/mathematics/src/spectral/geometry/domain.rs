@@ -8,7 +8,7 @@ use super::side::{PlaneSide, SidePlace};
 use crate::mesh::Names;
 use crate::problem::complex::Complex;
 use crate::spectral::error::PlaneError;
-use crate::spectral::source::smooth::Smooth;
+use crate::spectral::smooth::Smooth;
 
 /// Domain of the plane: closed loops of sides with the domain on the left, the outer one first and anticlockwise, holes
 /// clockwise.

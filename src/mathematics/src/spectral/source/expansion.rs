@@ -3,12 +3,12 @@
 //! The size of a function is the sum of the moduli of its terms on a disc. That of a product is at most the product of
 //! both sizes, so that errors of factors go over to it.
 
-use super::smooth::{Smooth, Wave};
 use crate::problem::complex::Complex;
 use crate::problem::formula::{Binary, Formula, Unary};
 use crate::spectral::geometry::domain::PlaneDomain;
 use crate::spectral::geometry::frame::Frame;
-use crate::spectral::source::real_polynomial::RealPolynomial;
+use crate::spectral::smooth::real_polynomial::RealPolynomial;
+use crate::spectral::smooth::{Smooth, Wave};
 
 /// Largest degree, and number of waves.
 const DEGREE: usize = 32;
@@ -20,6 +20,19 @@ const OFF: f64 = 2.0 * f64::EPSILON;
 pub(crate) struct Expansion {
     frame: Frame,
     pub radius: f64,
+}
+
+/// Returns what a formula is in the frame of a domain, in a unit, and a bound of the error.
+///
+/// # Errors
+/// What the formula is not.
+pub(crate) fn in_frame(
+    formula: &Formula,
+    domain: &PlaneDomain,
+    unit: f64,
+) -> Result<(Smooth, f64), String> {
+    let (value, error) = expanded(formula, &Expansion::on(domain))?;
+    Ok((value.scaled(1.0 / unit), error / unit))
 }
 
 /// What a part of a formula is.
