@@ -16,6 +16,7 @@ pub(super) mod groups;
 pub(super) mod jumps;
 pub(super) mod potential;
 pub(super) mod psi;
+pub(super) mod psi_sizes;
 pub(super) mod quadratic;
 pub(super) mod smooth;
 

@@ -7,7 +7,8 @@ use crate::machine::simd::vectorised;
 use crate::problem::complex::Complex;
 use crate::spectral::geometry::curve::{Arc, Polar};
 use crate::spectral::source::potential::{Jump, Potential};
-use crate::spectral::source::psi::{Psi, PsiSizes};
+use crate::spectral::source::psi::Psi;
+use crate::spectral::source::psi_sizes::PsiSizes;
 use std::f64::consts::TAU;
 
 /// Units of a term.

@@ -4,7 +4,7 @@ use super::cells::{POINTS, ProofCell, legendre};
 use super::moduli::Moduli;
 use crate::machine::simd::vectorised;
 use crate::spectral::fit::field::PlaneNode;
-use crate::spectral::source::psi::PsiSizes;
+use crate::spectral::source::psi_sizes::PsiSizes;
 use std::sync::LazyLock;
 
 /// Weights of all cells.

@@ -13,7 +13,7 @@ use crate::problem::complex::Complex;
 use crate::spectral::complex::ln;
 use crate::spectral::geometry::panels::{GaussNode, gauss};
 use crate::spectral::source::potential::{Jump, Potential};
-use crate::spectral::source::psi::PsiSizes;
+use crate::spectral::source::psi_sizes::PsiSizes;
 use std::f64::consts::{PI, TAU};
 
 /// psi outside of a shape, all seen from the middle of its box.

@@ -7,7 +7,7 @@ use crate::spectral::proof::bench::known::SolvedKnown;
 use crate::spectral::proof::bench::spoilt::Spoiling;
 use crate::spectral::proof::bench::{all_known, solved};
 use crate::spectral::proof::samples::{Quantity, Test};
-use crate::spectral::source::psi::PsiSizes;
+use crate::spectral::source::psi_sizes::PsiSizes;
 
 /// Names of problems with all states, f of both kinds, and cells of both kinds.
 const NAMES: [&str; 5] = [
