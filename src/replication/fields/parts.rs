@@ -2,7 +2,6 @@
 //!
 //! Central are [`under`], which reads such texts into a statement, and [`texts_of_law`], which writes them.
 
-use signorini_mathematics::problem::formula::Formula;
 use signorini_mathematics::problem::law::LawNumber;
 use signorini_mathematics::problem::text::Written;
 use signorini_mathematics::statement::Statement;
@@ -11,19 +10,19 @@ use std::ops::Range;
 
 /// Texts of the numbers of this kind: that of all parts that are not named, and those of each part.
 pub(super) fn texts_of_law(of: &Statement, law: LawNumber) -> Vec<String> {
-    let text = |(part, number): (&str, &Formula)| match said(law, part) {
+    let texts = of.boundary.numbers(law).map(|(part, number)| match said(law, part) {
         _ if part.is_empty() => number.to_string(),
         (_, None) if number.number() == Some(0.0) => part.to_owned(),
         _ => format!("{part}={number}"),
-    };
-    of.boundary.numbers(law).map(text).collect()
+    });
+    texts.collect()
 }
 
 /// True if a text is a number or a formula, with names in place of numbers or without; or is meant to be one.
 fn is_number(text: &str) -> bool {
     text.trim().parse::<f64>().is_ok()
         || text.contains(['(', '*', '/', '^'])
-        || Formula::read(&with_ones(text), 3).is_ok()
+        || LawNumber::Gap.read(&with_ones(text)).is_ok()
 }
 
 /// Returns a text with ones in place of its names.
@@ -53,29 +52,13 @@ pub(super) fn under(of: Statement, law: LawNumber, given: &[String]) -> Result<S
         if part.is_empty() && number != Some(text.as_str()) {
             return Err("the name of a part is empty".into());
         }
-        let number = read(law, number.unwrap_or("0"))?;
+        let number = law.read(number.unwrap_or("0"))?;
         if numbers.insert(part, number.clone()).is_some_and(|before| before != number) {
             return Err("the part has a number already; name it once".into());
         }
         boundary = boundary.with(part, law, number);
     }
     Ok(Statement { boundary, ..of })
-}
-
-/// Reads the number or the formula of a law.
-fn read(law: LawNumber, text: &str) -> Result<Formula, String> {
-    let read = Formula::in_law(text, 3);
-    if law.takes_formulas() {
-        return read;
-    }
-    let number = read.as_ref().ok().and_then(Formula::number);
-    let is_positive = matches!(law, LawNumber::Friction | LawNumber::Limit);
-    match number {
-        Some(number) if !is_positive || number > 0.0 => read,
-        _ => {
-            Err(format!("must be a {}number, e.g. 0.3", if is_positive { "positive " } else { "" }))
-        }
-    }
 }
 
 /// Returns a text in one line, unless names of regions in quotes may have spaces.

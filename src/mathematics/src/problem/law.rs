@@ -633,6 +633,26 @@ impl LawNumber {
         matches!(self, Self::Free | Self::Fixed | Self::Below | Self::Gap)
     }
 
+    /// Reads the number, or the formula in its place.
+    ///
+    /// # Errors
+    /// The fault of the text, with the remedy.
+    pub fn read(self, text: &str) -> Result<Formula, String> {
+        let read = Formula::in_law(text, 3);
+        if self.takes_formulas() {
+            return read;
+        }
+        let number = read.as_ref().ok().and_then(Formula::number);
+        let is_positive = matches!(self, Self::Friction | Self::Limit);
+        match number {
+            Some(number) if !is_positive || number > 0.0 => read,
+            _ => Err(format!(
+                "must be a {}number, e.g. 0.3",
+                if is_positive { "positive " } else { "" }
+            )),
+        }
+    }
+
     /// Law with this number.
     ///
     /// # Errors
