@@ -222,8 +222,8 @@ pub(super) fn solve(args: &SolveArgs) -> Result<u8> {
     shown.end();
     let answer = Answer::new(&request, solved?);
     let file = file.filter(|_| !answer.has_diverged());
-    let write = |file| request.write(file, &answer.solved, &answer.values);
-    let written = file.as_ref().map_or(Ok(()), write);
+    let written =
+        file.as_ref().map_or(Ok(()), |file| request.write(file, &answer.solved, &answer.values));
     // The answer is not lost with the file.
     if args.json {
         say_json(&answer.json(&request))

@@ -33,8 +33,8 @@ pub(crate) static LIMITS: [Limit; 8] = [
     Limit {
         words: &["neumann", "traction"],
         wanted: "a flux by a formula on a part that is not free",
-        instead: "`free` gives a part a number or a formula, as left=sin(pi*y) for dv/dn = sin(pi y), and `flux` the law \
-            of other parts a number",
+        instead: "`free` gives a part a number or a formula, as left=sin(pi*y) for dv/dn = sin(pi y), and \
+            `flux` the law of other parts a number",
     },
     Limit {
         words: &["robin"],
@@ -61,9 +61,9 @@ pub(crate) static LIMITS: [Limit; 8] = [
     Limit {
         words: &[],
         wanted: "the true solution for every f on every domain",
-        instead: "the spectral solver takes straight sides and arcs in the plane, and f of pieces, a polynomial, or a sum of \
-            sines, cosines and exponentials of linear functions; on curved boundaries the bounds of elements hold for \
-            the polygon",
+        instead: "the spectral solver takes straight sides and arcs in the plane, and f of pieces, a polynomial, \
+            or a sum of sines, cosines and exponentials of linear functions; on curved boundaries the bounds \
+            of elements hold for the polygon",
     },
 ];
 

@@ -189,7 +189,8 @@ fn energies_with_friction_are_those_of_the_true_solutions() {
     }
 }
 
-/// The integral of f over the cell of width h around each node, inside the square, for f with jumps on lines of the grid.
+/// The integral of f over the cell of width h around each node, inside the square, for f with jumps on lines of the
+/// grid.
 fn averaged(grid: Grid, f: &Source) -> Vec<f64> {
     let (quarter, side) = (0.25 * grid.h(), grid.side());
     let mut load = vec![0.0; grid.nodes()];

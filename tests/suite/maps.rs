@@ -1,4 +1,5 @@
-//! Maps of solutions and surfaces from `solve` and from scenes: what they show, their words and titles, what is refused.
+//! Maps of solutions and surfaces from `solve` and from scenes: what they show, their words and titles, what is
+//! refused.
 
 use crate::common::{Project, TABLE};
 use serde_json::Value;

@@ -1,4 +1,5 @@
-//! One answer in all voices: `solve`, a study, a scene that is run, and Python say the same warnings, failure and remedy.
+//! One answer in all voices: `solve`, a study, a scene that is run, and Python say the same warnings, failure and
+//! remedy.
 //!
 //! `SIGNORINI_STATEMENTS` is the number of random statements, 100 without it.
 

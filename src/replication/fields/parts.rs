@@ -76,7 +76,8 @@ pub(super) fn is_name(text: &str) -> bool {
         && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
-/// Returns the places of the names in f or the number of a law, behind their dollars; what stands in quotes has no names.
+/// Returns the places of the names in f or the number of a law, behind their dollars; what stands in quotes has no
+/// names.
 pub(super) fn places(f: &str) -> Vec<Range<usize>> {
     let (mut places, mut is_quoted) = (Vec::new(), false);
     for (at, sign) in f.match_indices(['"', '$']) {

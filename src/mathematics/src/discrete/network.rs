@@ -324,8 +324,9 @@ impl Network {
 
     /// Integral of c v for a nodal vector, the part of the load that the reaction takes; none without a reaction.
     pub fn reacted(&self, y: &[f64]) -> Option<f64> {
-        let sum = || self.masses.iter().zip(y).map(|(mass, y)| mass * y).sum::<f64>();
-        self.has_reaction().then(|| self.reaction * sum())
+        self.has_reaction().then(|| {
+            self.reaction * self.masses.iter().zip(y).map(|(mass, y)| mass * y).sum::<f64>()
+        })
     }
 
     /// True for each connected component in which y is given at some nodes, or that has a reaction: it bears every

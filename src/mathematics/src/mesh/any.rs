@@ -210,7 +210,8 @@ impl AnyMesh {
         either!(self, mesh => mesh.set_law(name, law))
     }
 
-    /// Sets the value of the law on the facets of this name, or the flux of a free part, to a formula in the coordinates.
+    /// Sets the value of the law on the facets of this name, or the flux of a free part, to a formula in the
+    /// coordinates.
     ///
     /// # Errors
     /// A sentence if no facets of the boundary have this name, or the text is no formula.
@@ -221,7 +222,8 @@ impl AnyMesh {
         })
     }
 
-    /// Sets the law on the parts of the boundary with none of these names, with the formula of its value, if it has one.
+    /// Sets the law on the parts of the boundary with none of these names, with the formula of its value, if it has
+    /// one.
     ///
     /// # Errors
     /// A sentence if the text is no formula.
@@ -232,8 +234,9 @@ impl AnyMesh {
         formula: Option<&Formula>,
     ) -> Result<(), String> {
         either!(self, mesh => {
-            let is_other = |part: &usize| !named.iter().any(|name| mesh.parts[*part].names.contains(name));
-            let others: Vec<_> = (0..mesh.parts.len()).filter(is_other).collect();
+            let parts = mesh.parts.iter().enumerate();
+            let others = parts.filter(|(_, part)| !named.iter().any(|name| part.names.contains(name)));
+            let others: Vec<_> = others.map(|(number, _)| number).collect();
             others.iter().for_each(|&part| mesh.parts[part].law = law);
             formula.map_or(Ok(()), |formula| mesh.set_values(others, &formula.to_string()))
         })

@@ -26,8 +26,13 @@ pub(super) fn assemble_edges<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     edges: &Edges,
 ) -> Network {
-    let edge = |cell, ends| edges.of_cell::<V>(cell, ends);
-    assemble_with(mesh, edges.len(), edge, |cell| mesh.k(cell)).with_reaction(mesh.reaction)
+    assemble_with(
+        mesh,
+        edges.len(),
+        |cell, ends| edges.of_cell::<V>(cell, ends),
+        |cell| mesh.k(cell),
+    )
+    .with_reaction(mesh.reaction)
 }
 
 /// As [`assemble`], for a mesh whose sides are known.
@@ -35,8 +40,13 @@ pub(crate) fn assemble_sides<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     sides: &Sides<V>,
 ) -> Network {
-    let edge = |cell, ends| sides.edge(cell as u32, ends);
-    assemble_with(mesh, sides.edges(), edge, |cell| mesh.k(cell)).with_reaction(mesh.reaction)
+    assemble_with(
+        mesh,
+        sides.edges(),
+        |cell, ends| sides.edge(cell as u32, ends),
+        |cell| mesh.k(cell),
+    )
+    .with_reaction(mesh.reaction)
 }
 
 /// As [`assemble_sides`] without a reaction, with 1/k in place of k: the products of circulations around the nodes of a
@@ -45,8 +55,12 @@ pub(crate) fn assemble_inverse<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     sides: &Sides<V>,
 ) -> Network {
-    let edge = |cell, ends| sides.edge(cell as u32, ends);
-    assemble_with(mesh, sides.edges(), edge, |cell| 1.0 / mesh.k(cell))
+    assemble_with(
+        mesh,
+        sides.edges(),
+        |cell, ends| sides.edge(cell as u32, ends),
+        |cell| 1.0 / mesh.k(cell),
+    )
 }
 
 /// Returns the discrete problem with the couplings that are no rounding errors; `edge` is the number of the edge
@@ -86,7 +100,8 @@ fn assemble_with<const D: usize, const V: usize>(
     Network::new(&couplings, nodes, masses).with_potential(potential)
 }
 
-/// Checks that formulas of laws have values of a size with which all solvers compute at the nodes of their facets and at points between them.
+/// Checks that formulas of laws have values of a size with which all solvers compute at the nodes of their facets and
+/// at points between them.
 ///
 /// # Errors
 /// [`MeshError::Value`].

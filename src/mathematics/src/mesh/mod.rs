@@ -114,7 +114,8 @@ pub struct Mesh<const D: usize, const V: usize> {
     pub(crate) facets: Vec<Facet<D>>,
     /// Parts of the boundary.
     pub(crate) parts: Vec<Part<D>>,
-    /// Values of laws, and fluxes of free parts, that are no numbers but formulas, with the position of the part of each.
+    /// Values of laws, and fluxes of free parts, that are no numbers but formulas, with the position of the part of
+    /// each.
     pub(crate) values: Vec<(u16, Formula)>,
     /// Names of facets that all lie inside the domain.
     pub(crate) inside: Vec<String>,
@@ -294,7 +295,8 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
         self.values.iter().find(|(own, _)| *own == part).map(|(_, value)| value)
     }
 
-    /// Law on a facet for one of its nodes: with the value there, or the mean flux of a free part with the weight of the
+    /// Law on a facet for one of its nodes: with the value there, or the mean flux of a free part with the weight of
+    /// the
     /// hat function of the node.
     pub(crate) fn law_at(&self, facet: &Facet<D>, node: u32) -> Law {
         let law = self.parts[usize::from(facet.part)].law;

@@ -78,8 +78,8 @@ fn rectangle([length, height]: [f64; 2], [columns, rows]: [u32; 2], laws: [Law; 
 /// The mesh with its cells in two regions: the second are those whose centroid is so.
 fn with_regions(mesh: AnyMesh, is_second: impl Fn([f64; 2]) -> bool) -> AnyMesh {
     let AnyMesh::Plane(mut mesh) = mesh else { panic!("a mesh in the plane") };
-    let of_cell = |cell| u16::from(is_second(centroid(mesh.vertices(cell))));
-    mesh.regions = mesh.cells().iter().map(of_cell).collect();
+    let centroids = mesh.cells().iter().map(|cell| centroid(mesh.vertices(cell)));
+    mesh.regions = centroids.map(|at| u16::from(is_second(at))).collect();
     (mesh.region_names, mesh.k) = (vec!["one".into(), "two".into()], vec![1.0; 2]);
     AnyMesh::Plane(mesh)
 }
@@ -505,7 +505,9 @@ fn with_formulas() -> [Formulas; 8] {
     let above = Law::SIGNORINI;
     let [high, low] = [1.0, 0.25].map(|value| Law::fixed(value).unwrap());
     let [strong, weak] = [-1.5, -1.0].map(|flux| Law::free(flux).unwrap());
-    let on_bottom = |sizes, cells, top| rectangle(sizes, cells, [Law::FREE, Law::FREE, above, top]);
+    fn on_bottom(sizes: [f64; 2], cells: [u32; 2], top: Law) -> AnyMesh {
+        rectangle(sizes, cells, [Law::FREE, Law::FREE, Law::SIGNORINI, top])
+    }
     let power = "((x-1)^2+y^2)^0.75*cos(1.5*atan2(y,x-1))";
     [
         // Of two series, to twelve digits, as the next three; contact from x = 0.7895 on.
@@ -785,17 +787,18 @@ fn rings_of_two_materials_come_near_the_energy_of_circles() {
 
 #[test]
 fn strips_of_two_materials_and_with_a_reaction_have_their_numbers() {
-    let strip = |k: &str, reaction: f64, laws: [Law; 2]| {
+    fn strip(k: &str, reaction: f64, laws: [Law; 2]) -> AnyMesh {
         let mesh = rectangle([1.0, HEIGHT], [5, 1], [laws[0], laws[1], Law::FREE, Law::FREE]);
         let mut mesh = with_regions(mesh, |[x, _]| x > 0.4);
         mesh.set_k(k).unwrap();
         mesh.set_reaction(reaction).unwrap();
         mesh
-    };
-    let at = |law: Law, at| law.with_at(at).unwrap();
-    let friction = at(Law::friction(0.6).unwrap(), 0.25);
-    let limit = at(Law::limited(1.0).unwrap(), 0.3);
-    let above = |gap| Law::above(gap, 0.0).unwrap();
+    }
+    fn above(gap: f64) -> Law {
+        Law::above(gap, 0.0).unwrap()
+    }
+    let friction = Law::friction(0.6).unwrap().with_at(0.25).unwrap();
+    let limit = Law::limited(1.0).unwrap().with_at(0.3).unwrap();
     let of_two = ["region(one)=2; region(two)=1/2", "region(one)=1/2; else=1"];
     for (mesh, f, energy, first) in [
         (
@@ -835,26 +838,28 @@ struct Scaled {
 
 #[test]
 fn four_times_the_coefficients_the_fluxes_and_f_make_four_times_the_energies() {
-    let law = |lo, hi, at| Law::new(lo, hi).and_then(|law| law.with_at(at)).unwrap();
-    let (moving, free) = (law(-0.5, 0.25, 0.125), Law::free(0.5).unwrap());
-    let at_zero = law(-0.5, 0.25, 0.0);
-    let named = |name: &str, law| {
+    let (at_zero, free) = (Law::new(-0.5, 0.25).unwrap(), Law::free(0.5).unwrap());
+    let moving = at_zero.with_at(0.125).unwrap();
+    fn named(name: &str, law: Law) -> AnyMesh {
         let mut mesh = AnyMesh::built_in(name).unwrap();
         let parts: Vec<_> = mesh.part_names().cloned().collect();
         parts.iter().for_each(|part| mesh.set_law(part, law).unwrap());
         mesh
-    };
+    }
     let mut membrane = rectangle([1.0; 2], [2, 2], [at_zero, free, Law::SIGNORINI, Law::FIXED]);
     membrane.set_value("bottom", "0.1*(1-cos(3*x))").unwrap();
     let thin = rectangle([1.0, 0.02], [4, 2], [at_zero, free, Law::SIGNORINI, Law::FIXED]);
-    let of_law = |law: Law, factor: f64| match law {
-        _ if law.is_free() => Law::free(factor * law.lo()).unwrap(),
-        _ if law.is_fixed() => law,
-        _ => {
-            let scaled = Law::new(factor * law.lo(), factor * law.hi()).unwrap();
-            if law.at().is_nan() { scaled.by_formula() } else { scaled.with_at(law.at()).unwrap() }
+    fn of_law(law: Law, factor: f64) -> Law {
+        match law {
+            _ if law.is_free() => Law::free(factor * law.lo()).unwrap(),
+            _ if law.is_fixed() => law,
+            _ => {
+                let scaled = Law::new(factor * law.lo(), factor * law.hi()).unwrap();
+                let at = law.at();
+                if at.is_nan() { scaled.by_formula() } else { scaled.with_at(at).unwrap() }
+            }
         }
-    };
+    }
     for Scaled { mesh, f, times } in [
         Scaled { mesh: membrane, f: "formula(FACTOR*(x-y^2-1))", times: 2 },
         Scaled { mesh: thin, f: "formula(FACTOR*x)", times: 3 },

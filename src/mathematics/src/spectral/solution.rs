@@ -163,8 +163,8 @@ impl fmt::Display for PlaneChecks {
             .map(|least| plain(if least.abs() < f64::EPSILON { 0.0 } else { least }, 2));
         write!(
             out,
-            "v off its value where it sticks {residual:.1e}, balance {balance:.1e}, least room of the flux {flux}, least v \
-             beyond it {sign}"
+            "v off its value where it sticks {residual:.1e}, balance {balance:.1e}, least room of the flux {flux}, \
+             least v beyond it {sign}"
         )?;
         bracket.map_or(Ok(()), |bracket| write!(out, ", bounds apart by {bracket:.1e}"))
     }

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// One table for the whole boundary: for each part that is named, and under the empty name for all others, the numbers
-/// of its law; in place of its value, or of the flux of a free part, there may be a formula. Where nothing is said, the law is the paper's.
+/// of its law; in place of its value, or of the flux of a free part, there may be a formula. Where nothing is said, the
+/// law is the paper's.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Boundary {
@@ -70,7 +71,8 @@ impl Boundary {
         [part, ""].into_iter().find_map(|part| self.first(part).filter(|(of, _)| of.is_law()))
     }
 
-    /// Formula of the value, or of the flux of a free part, in the law on a part, or under the empty name on those that are not named; none of a number.
+    /// Formula of the value, or of the flux of a free part, in the law on a part, or under the empty name on those that
+    /// are not named; none of a number.
     pub fn formula(&self, part: &str) -> Option<&Formula> {
         let of = match self.said(part) {
             Some((of, _)) if !of.goes_with(LawNumber::Gap) => of,
@@ -96,7 +98,10 @@ impl Boundary {
                 return Err(refused("must be a number, e.g. 0.3".into()));
             }
         }
-        let plain = |number: &Formula| number.number().unwrap_or_default();
+        /// Number of a law, 0 in place of a formula.
+        fn plain(number: &Formula) -> f64 {
+            number.number().unwrap_or_default()
+        }
         let [gap, flux] = [LawNumber::Gap, LawNumber::Flux]
             .map(|of| self.number(part, of).map(plain).unwrap_or_default());
         let law = match said.map(|(of, number)| (of, plain(number))) {

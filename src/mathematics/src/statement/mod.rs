@@ -187,8 +187,10 @@ impl Statement {
         if let Some(k) = &self.k {
             let has_regions = self.domain.is_file() || !k.contains('=');
             let name = &self.domain.name;
-            let none = || format!("the {name} has no regions; give a Gmsh file");
-            let set = if has_regions { mesh.set_k(k) } else { Err(none()) };
+            let set = match has_regions {
+                true => mesh.set_k(k),
+                false => Err(format!("the {name} has no regions; give a Gmsh file")),
+            };
             set.map_err(|e| StatementError::field("k", "", e))?;
         }
         if let Some(c) = self.reaction {

@@ -53,7 +53,8 @@
 //! error there is none. Circulations of the flux look for the least `1/2 |sigma|^2 - <sigma.n at>`.
 //!
 //! # Fluxes by formulas
-//! sigma.n is the mean of a given flux on a facet; the norms of sigma and of `grad w - sigma` on its cell grow by that of
+//! sigma.n is the mean of a given flux on a facet; the norms of sigma and of `grad w - sigma` on its cell grow by that
+//! of
 //! the field that is missing (`given.rs`). J(w) has the flux times w by quadrature. A lower bound of the error there is
 //! none.
 //!

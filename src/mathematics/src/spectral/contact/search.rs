@@ -88,7 +88,8 @@ impl PlaneFound {
     /// Refusal by a residual, or by the flux that f does not balance.
     fn refused(&self, balance: f64) -> PlaneError {
         PlaneError::NotFound(format!(
-            "a check failed: v is off its value where it sticks by {:.1e} of v, and dv/dn balances f but for {:.1e} of it",
+            "a check failed: v is off its value where it sticks by {:.1e} of v, and dv/dn balances f but for {:.1e} of \
+             it",
             share(self.sizes.residual, self.sizes.value),
             self.sizes.unbalanced(balance)
         ))

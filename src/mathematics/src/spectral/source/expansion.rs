@@ -25,7 +25,7 @@ pub(crate) struct Expansion {
 /// Returns what a formula is in the frame of a domain, in a unit, and a bound of the error.
 ///
 /// # Errors
-/// What the formula is not.
+/// The kind that the formula is not.
 pub(crate) fn in_frame(
     formula: &Formula,
     domain: &PlaneDomain,
@@ -35,7 +35,7 @@ pub(crate) fn in_frame(
     Ok((value.scaled(1.0 / unit), error / unit))
 }
 
-/// What a part of a formula is.
+/// Part of a formula, multiplied out.
 struct Expanded {
     value: Smooth,
     /// Bound of the size of its error.
@@ -45,7 +45,7 @@ struct Expanded {
 /// Function that a formula is, and a bound of its error on the disc.
 ///
 /// # Errors
-/// What the formula is not, or of too high a degree.
+/// The kind that the formula is not, or that its degree is too high.
 pub(crate) fn expanded(formula: &Formula, expansion: &Expansion) -> Result<(Smooth, f64), String> {
     let Expanded { value, error } = formula.evaluated(
         |value| Expanded::constant(value, 0.0),

@@ -30,17 +30,19 @@ impl SmoothSource {
     /// # Errors
     /// [`PlaneError::Source`] if its psi is not known.
     pub(crate) fn of_formula(formula: &Formula, domain: &PlaneDomain) -> Result<Self, PlaneError> {
-        let refused = |what| PlaneError::Source(format!("f {what}"));
+        fn refused(what: impl std::fmt::Display) -> PlaneError {
+            PlaneError::Source(format!("f {what}"))
+        }
         let radius = Expansion::on(domain).radius;
         let (mut f, error) = in_frame(formula, domain, domain.frame.height).map_err(refused)?;
         let error = error + f.settle(radius);
-        Self::new(f, error, radius).map_err(|what| refused(what.into()))
+        Self::new(f, error, radius).map_err(refused)
     }
 
     /// With a bound of the error of its coefficients on a disc.
     ///
     /// # Errors
-    /// What f is.
+    /// The kind of f.
     fn new(f: Smooth, error: f64, radius: f64) -> Result<Self, &'static str> {
         /// Least product of both exponents of a wave, over the square of their sum.
         const HARMONIC: f64 = 1e-6;
@@ -169,13 +171,12 @@ mod tests {
             let [z, w] = [0.1, 0.37].map(|turn| Complex::unit(turn * f64::from(k)).scaled(radius));
             let (z, w) = (centre + z, centre.conj() + w);
             // Re F is half of the sum of F and its conjugate, as functions of z and w.
-            let half = |c: Complex, [a, b]: [Complex; 2]| {
-                let power = a * z + b * w;
-                (c * Complex::unit(power.im)).scaled(0.5 * libm::exp(power.re))
-            };
             let mut sum = Complex::default();
-            for Wave { c, exponents: [a, b] } in &f.waves {
-                sum = sum + half(*c, [*a, *b]) + half(c.conj(), [b.conj(), a.conj()]);
+            for &Wave { c, exponents: [a, b] } in &f.waves {
+                for (c, a, b) in [(c, a, b), (c.conj(), b.conj(), a.conj())] {
+                    let power = a * z + b * w;
+                    sum = sum + (c * Complex::unit(power.im)).scaled(0.5 * libm::exp(power.re));
+                }
             }
             // x y is (z^2 - w^2) / 4i.
             let product = (z * z - w * w) * Complex::new(0.0, -0.25);

@@ -82,7 +82,8 @@ impl OnCell<'_> {
     }
 }
 
-/// Ends of the energy and the bound of the error for a vector and f, beside the energy of w + E, with what the deviation
+/// Ends of the energy and the bound of the error for a vector and f, beside the energy of w + E, with what the
+/// deviation
 /// of f adds to it, and the norm of the gradient of E.
 fn bounds_and_integrals(mesh: &PlaneMesh, f: &str) -> ([f64; 2], f64, f64, f64) {
     let (network, sides) = (assemble(mesh), Sides::new(mesh));
