@@ -14,10 +14,10 @@
 //!    two units in the last place, which counts as an error of the energy (step 7). A crossing of f that is joined
 //!    with a corner next to it counts where it is (`BoundedEnergy::add_joined`), a bend of a side is kept, however
 //!    small. Where numbers nearly agree and count as one, f is changed on a set that is bounded with the jumps
-//! ([`Changes`]):
+//!    ([`Changes`]):
 //!    between curves that count as one (`add_moved`, `add_between`) or touch (`add_overlap`), on shapes without borders
 //!    (`add_disc`), and in what the pieces between points that count as one enclose (`add_joined`). Step 8 has the
-//! effect; a problem of which so more than a small share of f changes is
+//!    effect; a problem of which so more than a small share of f changes is
 //!    refused. Tests: `solution::tests::changes`.
 //! 2. *The equation.* `-Lap psi = f` holds exactly but for these changes: all pieces of all borders of f are jumps of
 //!    psi (`Jumps::new`), which add up to zero in each vertex (`Jumps::check_vertices`), so that both differ by one
