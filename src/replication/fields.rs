@@ -6,7 +6,7 @@
 pub(crate) mod described;
 pub(crate) mod lists;
 pub(crate) mod member;
-mod names;
+pub(crate) mod names;
 mod parts;
 pub(crate) mod read;
 pub(crate) mod table;

@@ -18,8 +18,7 @@ fn statement(domain: Domain, f: &str) -> Statement {
 }
 
 /// Problems, one a line: the domain, with friction 0.3 or an inner part that is fixed or free; f; the energy to all
-/// digits
-/// that another program gave; and ends of contact.
+/// digits that another program gave; and ends of contact.
 ///
 /// f = c1 r^k cos(k t) - c0 on the disc has closed forms: with A = c0 / 2 and B = c1 / (4 (k + 1)), contact ends where
 /// cos(k t) = A / B - 1.

@@ -13,11 +13,9 @@ use signorini_mathematics::solvers::{Refusal, Settings, Solver, solve};
 use signorini_mathematics::spectral::{PlaneError, TrueSolution};
 
 /// Problems, one a line: the energy to fourteen digits, the number of arcs in contact, the law, and f. In the order of
-/// the
-/// table: several arcs; an end of contact behind a corner; a nearly vanishing integral of f; a gap round a corner;
-/// discs
-/// that touch sides, shapes and one another; shapes that nearly touch; borders that are nearly one, tiny or far away;
-/// other laws. Energies by a solver of conformal maps, at two resolutions.
+/// the table: several arcs; an end of contact behind a corner; a nearly vanishing integral of f; a gap round a corner;
+/// discs that touch sides, shapes and one another; shapes that nearly touch; borders that are nearly one, tiny or far
+/// away; other laws. Energies by a solver of conformal maps, at two resolutions.
 const CASES: &str = include_str!("square_truth.txt");
 
 /// Problem on a grid of the square with so many cells per side.

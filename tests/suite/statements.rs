@@ -1,6 +1,5 @@
 //! Statements said in two voices: a command saved as a scene, and the command of a scene, give the numbers of `solve`
-//! to
-//! the last bit; what runs of scenes say is in `voices`.
+//! to the last bit; what runs of scenes say is in `voices`.
 //!
 //! `SIGNORINI_SEED` is the seed, which a failure prints.
 

@@ -8,6 +8,7 @@ use crate::pipeline::error::{Error, IoContext, Result};
 use crate::pipeline::names::{in_shell, refuse_forbidden_name};
 use crate::pipeline::place::{own_place, write_own};
 use crate::replication::fields::member::{Member, Varying};
+use crate::replication::fields::names::NAMED;
 use crate::replication::fields::table::{FOLDER, text};
 use crate::replication::fields::write;
 use crate::replication::scene::{Output, Scene};
@@ -48,7 +49,7 @@ pub(super) fn study<'a>(name: &'a str, args: &SolveArgs, study: &Study) -> Resul
     }
     let mut lists = study.lists();
     // Of f and k, the members have numbers in place of their names.
-    for (name, values) in lists.iter_mut().filter(|(name, _)| ["f", "k"].contains(&&**name)) {
+    for (name, values) in lists.iter_mut().filter(|(name, _)| NAMED.contains(&&**name)) {
         let given =
             args.vary.iter().filter(|list| list.name == *name).flat_map(|list| &list.values);
         *values = given.map(|value| Varying::Text(text(value))).collect();

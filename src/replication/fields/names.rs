@@ -6,7 +6,7 @@ use signorini_mathematics::problem::text::Written;
 use std::collections::BTreeMap;
 
 /// Fields whose texts may have names.
-pub(super) const NAMED: [&str; 2] = ["f", "k"];
+pub(crate) const NAMED: [&str; 2] = ["f", "k"];
 
 /// Refuses a text of a field with a name to which nothing has given a number.
 pub(super) fn check_names(field: &str, text: &str) -> Reading<()> {

@@ -146,11 +146,11 @@ impl Vary {
         }
         let in_laws = fields.names_in_laws();
         let in_texts = NAMED.iter().filter_map(|field| fields.text(field));
-        let known: BTreeSet<&str> =
+        let named: BTreeSet<&str> =
             in_texts.flat_map(names).chain(in_laws.iter().map(|name| &**name)).collect();
         let mut numbers = BTreeMap::new();
         for (name, value) in own {
-            if !known.contains(name.as_str()) {
+            if !named.contains(name.as_str()) {
                 let known: Vec<_> = FIELDS.iter().map(|field| field.name).collect();
                 let known = known.join(", ");
                 let text = limits::of_word(name).unwrap_or_else(|| {

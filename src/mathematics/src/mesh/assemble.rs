@@ -40,13 +40,7 @@ pub(crate) fn assemble_sides<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     sides: &Sides<V>,
 ) -> Network {
-    assemble_with(
-        mesh,
-        sides.edges(),
-        |cell, ends| sides.edge(cell as u32, ends),
-        |cell| mesh.k(cell),
-    )
-    .with_reaction(mesh.reaction)
+    assemble_of_sides(mesh, sides, |cell| mesh.k(cell)).with_reaction(mesh.reaction)
 }
 
 /// As [`assemble_sides`] without a reaction, with 1/k in place of k: the products of circulations around the nodes of a
@@ -55,12 +49,15 @@ pub(crate) fn assemble_inverse<const D: usize, const V: usize>(
     mesh: &Mesh<D, V>,
     sides: &Sides<V>,
 ) -> Network {
-    assemble_with(
-        mesh,
-        sides.edges(),
-        |cell, ends| sides.edge(cell as u32, ends),
-        |cell| 1.0 / mesh.k(cell),
-    )
+    assemble_of_sides(mesh, sides, |cell| 1.0 / mesh.k(cell))
+}
+
+fn assemble_of_sides<const D: usize, const V: usize>(
+    mesh: &Mesh<D, V>,
+    sides: &Sides<V>,
+    factor: impl Fn(usize) -> f64,
+) -> Network {
+    assemble_with(mesh, sides.edges(), |cell, ends| sides.edge(cell as u32, ends), factor)
 }
 
 /// Returns the discrete problem with the couplings that are no rounding errors; `edge` is the number of the edge

@@ -296,8 +296,7 @@ impl<const D: usize, const V: usize> Mesh<D, V> {
     }
 
     /// Law on a facet for one of its nodes: with the value there, or the mean flux of a free part with the weight of
-    /// the
-    /// hat function of the node.
+    /// the hat function of the node.
     pub(crate) fn law_at(&self, facet: &Facet<D>, node: u32) -> Law {
         let law = self.parts[usize::from(facet.part)].law;
         let Some(formula) = self.value(facet.part) else { return law };

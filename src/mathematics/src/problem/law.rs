@@ -33,8 +33,7 @@ pub(crate) const SAME: f64 = 1e-12;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law {
     /// The value; 0 where the interval is one number, since v takes any value there, and NaN if it is a formula, so
-    /// that
-    /// what does not ask for its values at points fails.
+    /// that what does not ask for its values at points fails.
     at: f64,
     /// Ends of the interval of the flux; NaN of a free part whose flux is a formula.
     lo: f64,
@@ -379,8 +378,7 @@ impl Law {
     }
 
     /// Value that v has unless the flux is at an end of the interval; 0 on a free part, where v takes any value, and
-    /// NaN
-    /// if it is a formula.
+    /// NaN if it is a formula.
     pub fn at(self) -> f64 {
         self.at
     }

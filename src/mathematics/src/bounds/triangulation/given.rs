@@ -48,8 +48,7 @@ mod tests {
     #[test]
     fn the_bound_is_above_the_norm_of_a_harmonic_function() {
         // phi = cos(k pi x) cosh(k pi y) + cosh(k pi x) cos(k pi y) on the triangle of (0, 0), (1, 0), (0, 1) has no
-        // flux
-        // through the legs. The norm of its gradient is that of its flux times phi on the long side.
+        // flux through the legs. The norm of its gradient is that of its flux times phi on the long side.
         for k in [1.0, 2.0] {
             let part = Part { names: Names::from("long"), law: Law::FREE, curve: None };
             let data = MeshData {

@@ -4,8 +4,7 @@
 //! terms of both are the same, so that `|u - w|^2 - |u - w - b|^2 = 2 (J(w) - J(w + b)) = 2 r(b) - |b|^2` in the energy
 //! norm, with `r(b) = (f, b) + <h, b> - (k grad w, grad b) - (c w, b)`. The best multiple of b gives `|u - w|^2 >=
 //! r(b)^2 / |b|^2`. Here b is a sum of bubbles `4 p q` on the edges, p and q the hat functions of the ends, each as
-//! large
-//! as is best for it alone.
+//! large as is best for it alone.
 
 use super::BoundedProblem;
 use super::cells::{COST, at_nodes, gradient};

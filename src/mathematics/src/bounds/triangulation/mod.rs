@@ -54,9 +54,8 @@
 //!
 //! # Fluxes by formulas
 //! sigma.n is the mean of a given flux on a facet; the norms of sigma and of `grad w - sigma` on its cell grow by that
-//! of
-//! the field that is missing (`given.rs`). J(w) has the flux times w by quadrature. A lower bound of the error there is
-//! none.
+//! of the field that is missing (`given.rs`). J(w) has the flux times w by quadrature. A lower bound of the error there
+//! is none.
 //!
 //! # An f that is not constant on cells
 //! On each cell T there is a field without flux through the sides whose divergence is the mean of f less f, and whose

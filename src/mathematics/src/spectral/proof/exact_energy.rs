@@ -149,8 +149,7 @@ impl EnergyFactors {
 
 /// Bound of the integrand of the energy on the ellipse of a cell, in its variable: each of its terms is v, psi or the
 /// value of the law, which is in the bound of v, times a slope of v or psi, or f times psi and powers of the distance
-/// from the middle; with that of
-/// Green's identity for h.
+/// from the middle; with that of Green's identity for h.
 fn modulus(proof: &Proof, own: &Sampled, h: Moduli) -> f64 {
     let (cell, moduli) = (&own.own.cell, &own.moduli);
     let r = if cell.is_log { cell.distances[1] } else { 1.0 };

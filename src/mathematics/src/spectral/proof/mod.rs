@@ -7,18 +7,15 @@
 //! Given are a domain with straight and circular sides, f (constant on pieces, or smooth in closed form), and a law on
 //! each side, a value `at`, which may be smooth too, and an interval `lo <= dv/dn <= hi`, with one value where v sticks
 //! on both sides of a corner, but for rounding; u minimises the energy J, and J(u) is what the two ends hold. They are
-//! made from any function `v = psi + Re g` of the
-//! form below, right or not: nothing of how v was found is used.
+//! made from any function `v = psi + Re g` of the form below, right or not: nothing of how v was found is used.
 //!
 //! 1. *Data.* The curves, points and values of the setup are those of the statement but for rounding of coordinates by
-//!    two units in the last place, which counts as an error of the energy (step 7). A crossing of f that is joined
-//!    with a corner next to it counts where it is (`BoundedEnergy::add_joined`), a bend of a side is kept, however
-//!    small. Where numbers nearly agree and count as one, f is changed on a set that is bounded with the jumps
-//!    ([`Changes`]):
+//!    two units in the last place, which counts as an error of the energy (step 7). A crossing of f that is joined with
+//!    a corner next to it counts where it is (`BoundedEnergy::add_joined`), a bend of a side is kept, however small.
+//!    Where numbers nearly agree and count as one, f is changed on a set that is bounded with the jumps ([`Changes`]):
 //!    between curves that count as one (`add_moved`, `add_between`) or touch (`add_overlap`), on shapes without borders
 //!    (`add_disc`), and in what the pieces between points that count as one enclose (`add_joined`). Step 8 has the
-//!    effect; a problem of which so more than a small share of f changes is
-//!    refused. Tests: `solution::tests::changes`.
+//!    effect; a problem of which so more than a small share of f changes is refused. Tests: `solution::tests::changes`.
 //! 2. *The equation.* `-Lap psi = f` holds exactly but for these changes: all pieces of all borders of f are jumps of
 //!    psi (`Jumps::new`), which add up to zero in each vertex (`Jumps::check_vertices`), so that both differ by one
 //!    constant, which is none where f is known. Values are also compared with f beside the middle of each jump

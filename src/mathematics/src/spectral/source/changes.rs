@@ -44,15 +44,12 @@ impl Changes {
     }
 
     /// |g| is at most `most` between a part of this length of a curve and another curve, which are this far apart at
-    /// the
-    /// worst of its ends and its middle, of three equal parts of a circle, or of the points that cut it into eight;
-    /// less
-    /// than [`UNITS`] is rounding.
+    /// the worst of its ends and its middle, of three equal parts of a circle, or of the points that cut it into eight;
+    /// less than [`UNITS`] is rounding.
     ///
     /// Their distance is about a quadratic function on the part, at most 5/4 of that, or, on a circle, a constant with
     /// a sine and a cosine, at most 7/3; seen at the points that cut it into eight it is linear or bends one way, by
-    /// its
-    /// second differences less than six times that.
+    /// its second differences less than six times that.
     pub(crate) fn add_between(&mut self, most: f64, off: f64, length: f64) {
         if off > UNITS {
             self.add_strip(most, [6.0 * off, length]);

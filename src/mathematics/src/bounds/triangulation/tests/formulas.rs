@@ -1,8 +1,7 @@
 //! Values of laws by formulas: bounds beside integrals of the function that they are about, by its definition.
 
 use super::*;
-use crate::mesh::dot;
-use crate::mesh::{AnyMesh, PlaneMesh, mesh_load, square_with_sides};
+use crate::mesh::{AnyMesh, PlaneMesh, dot, measure, mesh_load, square_with_sides};
 use crate::problem::formula::Formula;
 use crate::problem::source::Source;
 use std::f64::consts::PI;
@@ -83,8 +82,7 @@ impl OnCell<'_> {
 }
 
 /// Ends of the energy and the bound of the error for a vector and f, beside the energy of w + E, with what the
-/// deviation
-/// of f adds to it, and the norm of the gradient of E.
+/// deviation of f adds to it, and the norm of the gradient of E.
 fn bounds_and_integrals(mesh: &PlaneMesh, f: &str) -> ([f64; 2], f64, f64, f64) {
     let (network, sides) = (assemble(mesh), Sides::new(mesh));
     // Above the obstacle by other distances at the nodes, and any values inside.
@@ -117,7 +115,7 @@ fn bounds_and_integrals(mesh: &PlaneMesh, f: &str) -> ([f64; 2], f64, f64, f64) 
         let law = mesh.law(facet);
         let flux = if law.lo().is_finite() { law.lo() } else { 0.0 };
         let [one, two] = facet.nodes.map(|node| w[node as usize] - mesh.law_at(facet, node).at());
-        energy -= flux * crate::mesh::measure(mesh.corners(facet)) * (one + two) / 2.0;
+        energy -= flux * measure(mesh.corners(facet)) * (one + two) / 2.0;
     }
     let problem = BoundedProblem { mesh, sides: &sides, network: &network, f: &f };
     let (found, _) = problem.bounds_through(&w, &w, &OnceLock::new()).unwrap();
